@@ -8,7 +8,6 @@ mod apply;
 mod bottom;
 mod by_key;
 mod calibrating;
-mod card_search;
 mod command;
 mod comparing;
 pub(crate) mod crash_report;
@@ -19,7 +18,6 @@ mod exclusions;
 mod exporting;
 mod external;
 mod figures;
-mod file_watch;
 mod following;
 mod history;
 mod jobs;
@@ -45,11 +43,11 @@ mod reviewing;
 mod state;
 pub(crate) mod system_words;
 mod untitled;
+mod watching;
 
 pub use action::{Action, KeyFocus, Keys, is_bare};
 pub(crate) use action::{ActionGroup, WindowAction};
 pub use bottom::{BottomStroke, Ink};
-pub(crate) use card_search::LISTED_EVERY as CARDS_LISTED_EVERY;
 pub use command::{Command, FileToOpen, FileToWrite};
 pub use comparing::ReferenceBy;
 pub use crossings::FoundPositions;
@@ -82,6 +80,7 @@ pub use reviewing::{
     BoxEdge, LocatedObject, MistakeSort, Nudge, PIXEL_M, Reviewing, SearchStatus, Tool, border_m,
 };
 pub use state::App;
+pub(crate) use watching::LISTED_EVERY as CARDS_LISTED_EVERY;
 
 pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};

@@ -1,12 +1,10 @@
 //! Holds the state of the window for reading; commands change it in `apply`, the answers of work in
 //! the background through `jobs`.
 
-use super::card_search::CardSearch;
 use super::comparing::{Comparing, ReferenceComparison};
 use super::crossings::{FoundPositions, Heights};
 use super::deriving::Deriving;
 use super::exporting::Exported;
-use super::file_watch::FileWatch;
 use super::following::Following;
 use super::history::UndoStep;
 use super::jobs::{JobKey, JobQueue};
@@ -21,6 +19,7 @@ use super::planning::Planning;
 use super::processing::{Previewer, ProcessRequest};
 use super::project::ProjectSaving;
 use super::reviewing::ObjectSearch;
+use super::watching::{CardSearch, FileWatch};
 use super::{Jobs, LogPlace, Reveal, ViewOptions};
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;

@@ -1,25 +1,33 @@
-//! Checks the files of the open logs every second: a log that was cut, overwritten, or cannot be
-//! read to its end any more is reported once. A log that grows keeps its contents as far as they
-//! were read, and a followed log is read from a copy.
+//! Watches the files of the open logs, and the cards and drives while nothing is open, in threads
+//! that do not count as activity.
 //!
-//! The check has its own thread, because a disk may not respond; the thread wakes the window only
-//! if there is a fault to report.
+//! The files of the open logs are checked every second: a log that was cut, overwritten, or cannot
+//! be read to its end any more is reported once. A log that grows keeps its contents as far as they
+//! were read, and a followed log is read from a copy. The check has its own thread, because a disk
+//! may not respond; the thread wakes the window only if there is a fault to report.
+//!
+//! Cards and drives are searched for logs, because a person most likely came to open these. The
+//! drives are listed every few seconds, so that an inserted card is offered and a removed one is
+//! not. Each drive is searched once, in its own thread, so that a slow card does not delay the
+//! others.
 
 use super::jobs::JobKey;
-use super::{App, Jobs, LogId, OpenLogs};
-use crate::app::crash_report;
+use super::{App, Jobs, LogId, OpenLogs, crash_report};
+use bathyscope_log::formats::{LogFolder, log_folders};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Bytes, Survey};
 use std::path::PathBuf;
 use std::sync::{Arc, Weak};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Naps between two checks; after each nap the check ends if it was cancelled.
 const NAPS: u32 = 4;
 /// Length of a nap.
 const NAP: Duration = Duration::from_millis(250);
+/// Time between two lists of the drives.
+pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
 
 /// Logs whose files are checked, and faults that were reported.
 #[derive(Default)]
@@ -30,10 +38,41 @@ pub(super) struct FileWatch {
     reported: Vec<LogId>,
 }
 
-/// The files of a log that are checked.
-struct WatchedLog {
-    id: LogId,
-    files: Vec<(PathBuf, Bytes)>,
+/// A log, and its files that are checked.
+type WatchedLog = (LogId, Vec<(PathBuf, Bytes)>);
+
+/// Function that lists the top folders of the drives.
+type Drives = fn() -> Vec<PathBuf>;
+
+/// State of the search: the drives, and the folders that were found on them.
+#[derive(Default)]
+pub struct CardSearch {
+    /// Function that lists the drives; `None` if they are not searched.
+    drives: Option<Drives>,
+    listed: Option<Instant>,
+    cards: Vec<Card>,
+}
+
+/// A drive, and the folders with logs that were found on it.
+struct Card {
+    top: PathBuf,
+    folders: Vec<LogFolder>,
+}
+
+impl CardSearch {
+    /// Searches these drives for logs from now on, whenever nothing is open.
+    pub fn look_on(&mut self, drives: Drives) {
+        self.drives = Some(drives);
+    }
+
+    /// Returns the folders with logs that were found so far on cards and drives, beginning with the
+    /// folder of the newest log.
+    pub fn folders(&self) -> Vec<&LogFolder> {
+        let cards = self.cards.iter();
+        let mut folders: Vec<&LogFolder> = cards.flat_map(|card| &card.folders).collect();
+        folders.sort_by_key(|folder| std::cmp::Reverse(folder.logs[0].written));
+        folders
+    }
 }
 
 impl OpenLogs {
@@ -64,8 +103,11 @@ impl App {
             return;
         }
         crash_report::set_open(open.iter().map(|(_, survey)| kind(survey)).collect());
+        let files = |survey: &Survey| -> Vec<(PathBuf, Bytes)> {
+            survey.source.files.iter().cloned().zip(survey.bytes.iter().cloned()).collect()
+        };
         let watched: Vec<WatchedLog> =
-            (open.iter()).map(|(id, survey)| WatchedLog::new(*id, survey)).collect();
+            (open.iter()).map(|(id, survey)| (*id, files(survey))).collect();
         self.file_watch.logs =
             (open.iter()).map(|(id, survey)| (*id, Arc::downgrade(survey))).collect();
         if watched.is_empty() {
@@ -96,21 +138,58 @@ impl App {
             self.notices.warn(text);
         }
     }
-}
 
-impl WatchedLog {
-    fn new(id: LogId, survey: &Survey) -> Self {
-        let files = survey.source.files.iter().cloned();
-        let files = files.zip(survey.bytes.iter().cloned());
-        Self { id, files: files.collect() }
+    /// Lists the drives when the time has come, while no log is open.
+    pub(super) fn search_cards(&mut self) {
+        let Some(drives) = self.card_search.drives else {
+            return;
+        };
+        if self.logs.shown.survey.is_some() {
+            return self.search_drives(&[]);
+        }
+        let listed = self.card_search.listed;
+        let is_due = listed.is_none_or(|listed| listed.elapsed() >= LISTED_EVERY);
+        if !is_due || self.jobs.is_running(&JobKey::ListDrives) {
+            return;
+        }
+        self.card_search.listed = Some(Instant::now());
+        // A failure would be reported every few seconds.
+        self.jobs.run_or(
+            JobKey::ListDrives,
+            move |_| drives(),
+            |app, tops| {
+                if app.logs.shown.survey.is_none() {
+                    app.search_drives(&tops);
+                }
+            },
+            |_| (),
+        );
     }
 
-    /// Returns the fault of the first file that has one, as a sentence; `None` if there is none.
-    fn fault(&self) -> Option<(LogId, String)> {
-        let fault =
-            |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));
-        let fault = self.files.iter().find_map(fault)?;
-        Some((self.id, fault.to_string()))
+    /// Starts searching the drives that are new in the list, and drops those that are not in it any
+    /// more.
+    fn search_drives(&mut self, tops: &[PathBuf]) {
+        let cards = &mut self.card_search.cards;
+        for gone in cards.extract_if(.., |card| !tops.contains(&card.top)) {
+            self.jobs.stop(&JobKey::SearchDrive(gone.top));
+        }
+        for top in tops {
+            if cards.iter().any(|card| card.top == *top) {
+                continue;
+            }
+            cards.push(Card { top: top.clone(), folders: Vec::new() });
+            let (of, top) = (top.clone(), top.clone());
+            self.jobs.run(
+                JobKey::SearchDrive(top.clone()),
+                move |progress| log_folders(&of, progress),
+                move |app, folders| {
+                    let mut cards = app.card_search.cards.iter_mut();
+                    if let Some(card) = cards.find(|card| card.top == top) {
+                        card.folders = folders;
+                    }
+                },
+            );
+        }
     }
 }
 
@@ -127,8 +206,10 @@ fn kind(survey: &Survey) -> String {
 
 /// Checks the files until one has a fault, or once; returns the fault of each log that has one.
 fn look(logs: &[WatchedLog], repeats: bool, progress: &Progress) -> Vec<(LogId, String)> {
+    let fault = |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));
+    let fault = |(id, files): &WatchedLog| Some((*id, files.iter().find_map(fault)?.to_string()));
     loop {
-        let found: Vec<(LogId, String)> = logs.iter().filter_map(WatchedLog::fault).collect();
+        let found: Vec<(LogId, String)> = logs.iter().filter_map(fault).collect();
         if !found.is_empty() || !repeats {
             return found;
         }
@@ -148,6 +229,7 @@ mod tests {
     use std::fs::{self, File};
     use std::io::Write as _;
     use std::path::Path;
+    use std::sync::Mutex;
 
     const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
@@ -213,5 +295,40 @@ mod tests {
         assert_eq!(notice_count(&app, "while it was open"), 0);
         // The check of the files still runs after one of them was removed.
         assert!(app.jobs.is_running(&JobKey::CheckFiles));
+    }
+
+    static CARDS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+    fn cards() -> Vec<PathBuf> {
+        CARDS.lock().expect("a list").clone()
+    }
+
+    /// Polls as often as one listing and one search need, and returns the found folders.
+    fn folders_found(app: &mut App) -> Vec<PathBuf> {
+        app.card_search.listed = None;
+        for _ in 0..3 {
+            app.poll();
+        }
+        let folders = app.card_search.folders();
+        folders.iter().map(|folder| folder.path.clone()).collect()
+    }
+
+    #[test]
+    fn a_card_is_offered_while_it_is_there_and_nothing_is_open() {
+        let card = tempfile::tempdir().expect("a card");
+        let folder = card.path().join("Sonar");
+        std::fs::create_dir(&folder).expect("a folder");
+        std::fs::write(folder.join("a.sl2"), "").expect("a log");
+        let mut app = App::new(Jobs::Inline);
+        *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
+        assert_eq!(folders_found(&mut app), Vec::<PathBuf>::new(), "it was not asked for");
+        app.card_search.look_on(cards);
+        assert_eq!(folders_found(&mut app), std::slice::from_ref(&folder));
+        CARDS.lock().expect("a list").clear();
+        assert_eq!(folders_found(&mut app), Vec::<PathBuf>::new(), "it was taken out");
+        *CARDS.lock().expect("a list") = vec![card.path().to_owned()];
+        assert_eq!(folders_found(&mut app), [folder]);
+        app.apply(Command::OpenDemo);
+        assert_eq!(folders_found(&mut app), Vec::<PathBuf>::new(), "a log is open");
     }
 }
