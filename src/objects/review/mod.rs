@@ -20,10 +20,10 @@ pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow};
 pub use queue::{DecisionCounts, Queue, Sort};
 pub use tiles::ReviewedTile;
 
-use super::class::is_name;
+use super::class::{NAMELESS_CLASS, is_name};
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use bathyscope_log::named;
-use bathyscope_log::survey::Identity;
+use bathyscope_log::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -178,6 +178,13 @@ pub struct Review {
     next_id: u32,
     /// Searched pings along the track, without overlap.
     searched: Vec<Searched>,
+}
+
+impl Default for Review {
+    /// Creates the empty review of no log.
+    fn default() -> Self {
+        Self::new(Identity::of(&Survey::default()), vec![NAMELESS_CLASS.to_owned()])
+    }
 }
 
 impl Review {
