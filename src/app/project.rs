@@ -77,16 +77,14 @@ impl OpenLogs {
 impl ProjectSaving {
     /// Returns the file of the open project; `None` if it is untitled.
     pub fn path(&self) -> Option<&Path> {
-        let saving = self;
-        saving.store.as_ref().filter(|_| !saving.is_untitled).map(Store::path)
+        self.store.as_ref().filter(|_| !self.is_untitled).map(Store::path)
     }
 
     /// Returns true if there are changes that the file which the analyst named does not contain;
     /// they are in the journal beside it, or in an untitled project.
     pub fn is_unsaved(&self) -> bool {
-        let saving = self;
-        let store = saving.store.as_ref();
-        store.is_some_and(|store| saving.is_untitled || store.is_unsaved(&saving.project))
+        let store = self.store.as_ref();
+        store.is_some_and(|store| self.is_untitled || store.is_unsaved(&self.project))
     }
 }
 

@@ -134,19 +134,13 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
 
 impl App {
     /// Saves a decision: in the journal of the project. The first decision begins an untitled
-    /// project, which contains it as soon as the logs are hashed.
+    /// project, unless that is impossible or under way, which contains it as soon as the logs are
+    /// hashed.
     pub(super) fn keep_decision(&mut self, label: &str) {
         if self.files.project_saving.store.is_some() {
-            self.keep_project(label);
-        } else {
-            self.files.project_saving.is_closed = false;
-            self.begin_untitled();
+            return self.keep_project(label);
         }
-    }
-
-    /// Starts to create an untitled project of the open logs, unless that is impossible or under
-    /// way.
-    fn begin_untitled(&mut self) {
+        self.files.project_saving.is_closed = false;
         let Some(folder) = self.files.untitled_folder.clone() else {
             return;
         };
