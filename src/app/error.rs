@@ -1,6 +1,5 @@
 //! Errors of operations that the analyst requests.
 
-use bathyscope_log::formats::base_map::BaseMapError;
 use bathyscope_log::formats::{GrowingError, OpenError};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
@@ -43,9 +42,6 @@ pub(super) enum AppError {
     /// The track of another receiver, the readings of a gauge or a polygon cannot be read.
     #[error(transparent)]
     Unusable(#[from] FileError),
-    /// A base map cannot be opened.
-    #[error(transparent)]
-    BaseMap(#[from] BaseMapError),
     /// A model cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -24,7 +24,6 @@ mod jobs;
 mod log_place;
 mod logs;
 pub mod manual;
-mod map_files;
 mod map_layers;
 mod measuring;
 mod mounting;
