@@ -3,7 +3,6 @@
 use bathyscope_log::formats::{GrowingError, OpenError};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
-use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::{TruthError, TruthFileError};
 use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::ExportError;
@@ -60,9 +59,6 @@ pub(super) enum AppError {
         /// Path of the folder.
         path: PathBuf,
     },
-    /// A review cannot be used.
-    #[error(transparent)]
-    Review(#[from] ReviewError),
     /// The truth of the demo survey cannot be used.
     #[error(transparent)]
     DemoTruth(#[from] TruthError),

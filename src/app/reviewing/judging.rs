@@ -213,31 +213,28 @@ impl App {
                 TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
             }
         };
-        self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
-            Ok(truth) => app.take_truth(id, truth, source, is_found),
-            Err(error) => app.notices.warn(error),
-        });
-    }
-
-    /// Sets the truth of a log.
-    fn take_truth(&mut self, id: LogId, truth: SurveyTruth, source: TruthSource, is_found: bool) {
-        let objects = truth.objects.len();
-        self.jobs.stop(&JobKey::CompareTruth(id));
-        let Some(log) = self.logs.get_mut(id) else {
-            return;
-        };
-        let judging = &mut log.reviewing.judging;
-        judging.forget();
-        judging.truth = Some((source.clone(), Arc::new(truth)));
-        judging.outdated = true;
-        match source {
-            TruthSource::File(path) if !is_found => {
-                let path = path.display();
-                self.notices.notify(format!("Opened {objects} known objects: {path}"));
-            }
+        self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| {
+            let truth = match read {
+                Ok(truth) => truth,
+                Err(error) => return app.notices.warn(error),
+            };
+            let objects = truth.objects.len();
+            app.jobs.stop(&JobKey::CompareTruth(id));
+            let Some(log) = app.logs.get_mut(id) else {
+                return;
+            };
+            let judging = &mut log.reviewing.judging;
+            judging.forget();
+            judging.truth = Some((source.clone(), Arc::new(truth)));
+            judging.outdated = true;
             // The name of a sidecar file is shown where its objects are used.
-            TruthSource::File(_) | TruthSource::Demo => {}
-        }
+            if let TruthSource::File(path) = source
+                && !is_found
+            {
+                let path = path.display();
+                app.notices.notify(format!("Opened {objects} known objects: {path}"));
+            }
+        });
     }
 
     /// Removes the truth of the shown log.
