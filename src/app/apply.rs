@@ -10,8 +10,8 @@ use super::opening::OpenMode;
 use super::project::is_project;
 use super::{
     Action, App, Command, Enlarged, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId,
-    LogOrigin, LogPlace, MapLayer, Orientation, Reveal, SideColours, ThemeChoice, Tool, View,
-    ViewOptions, WindowAction,
+    LogOrigin, LogPlace, MapLayer, Orientation, SideColours, ThemeChoice, Tool, View, ViewOptions,
+    WindowAction,
 };
 use bathyscope_bottom::mosaic::Gain;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
@@ -128,7 +128,7 @@ impl App {
                 self.logs.shown.reviewing.selected = None;
                 self.logs.shown.reviewing.judging.look_away();
             }
-            Command::Reveal(mark) => self.reveal(mark),
+            Command::Reveal(mark) => self.view.reveal(mark),
             Command::Visible(pings) => self.view.visible = pings,
             Command::CompareWithReference => self.compare_with_reference(),
             Command::CompareWith(path) => self.compare_with(path),
@@ -380,12 +380,6 @@ impl App {
         });
     }
 
-    pub(super) fn reveal(&mut self, mark: LogPlace) {
-        let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
-        self.view.selection = Some(mark);
-        self.view.reveal = Some(Reveal { mark, serial, close_up: None });
-    }
-
     /// Leaves the innermost activity: measuring, a tool or selected box, a proposed stretch, or
     /// else the finished measurement.
     fn leave_current_tool(&mut self) {
@@ -423,7 +417,7 @@ impl App {
             None if pings == isize::MAX => last,
             None => 0,
         };
-        self.reveal(LogPlace::ping(ping));
+        self.view.reveal(LogPlace::ping(ping));
     }
 }
 

@@ -3,7 +3,7 @@
 //! comparison needs a triangulation of all soundings.
 
 use super::error::AppError;
-use super::jobs::JobKey;
+use super::jobs::{JobKey, JobQueue};
 use super::{App, MapLayer};
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -136,6 +136,20 @@ impl ReferenceComparison {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
     }
 
+    /// Drops the agreement, and stops the comparison.
+    pub(super) fn forget(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::CompareReference);
+        *self = Self::default();
+    }
+
+    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
+    pub(super) fn stop(&mut self, jobs: &mut JobQueue) {
+        if jobs.stop(&JobKey::CompareReference) {
+            self.agreement = None;
+            self.problem = Some(STOPPED.to_owned());
+        }
+    }
+
     /// Permits a stopped comparison to start again.
     pub(super) fn resume(&mut self) {
         if self.problem.take().is_some() {
@@ -181,22 +195,7 @@ impl App {
     pub(super) fn leave_reference(&mut self) {
         self.jobs.stop(&JobKey::OpenReference);
         self.map.comparing.reference = None;
-        self.forget_agreement();
-    }
-
-    /// Drops the agreement, and stops the comparison.
-    pub(super) fn forget_agreement(&mut self) {
-        self.jobs.stop(&JobKey::CompareReference);
-        self.findings.reference_comparison = ReferenceComparison::default();
-    }
-
-    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
-    pub(super) fn stop_comparing(&mut self) {
-        if self.jobs.stop(&JobKey::CompareReference) {
-            let made = &mut self.findings.reference_comparison;
-            made.agreement = None;
-            made.problem = Some(STOPPED.to_owned());
-        }
+        self.findings.reference_comparison.forget(&mut self.jobs);
     }
 
     /// Starts comparing the results of the visible logs, unless that is done or running.

@@ -110,7 +110,7 @@ impl App {
                 }
                 Err(error) => app.notices.warn(error),
             }
-            app.say_lost_logs();
+            app.logs.say_lost(&mut app.notices);
         });
     }
 

@@ -150,7 +150,7 @@ impl App {
         if now.swapped_sides != before.swapped_sides {
             self.forget_preview(id);
             // The results of a search of the log as it was would be put on the wrong side.
-            self.leave_search(id);
+            self.findings.search.leave(id, &mut self.jobs);
             if id == self.logs.shown.id {
                 // The marks stay on the same echo.
                 let marks = [&mut self.view.selection, &mut self.view.hover];

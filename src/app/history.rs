@@ -9,7 +9,7 @@ use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
 use bathyscope_products::pipeline::{LogSettings, Settings, setting_values};
-use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog, UNDONE};
+use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -117,7 +117,7 @@ impl App {
     pub(super) fn undo(&mut self) {
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.undo(&self.step_now()) {
-            self.take_step(step, UNDONE);
+            self.take_step(step, true);
         }
     }
 
@@ -125,8 +125,7 @@ impl App {
     pub(super) fn redo(&mut self) {
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.redo(&self.step_now()) {
-            let label = self.redone_label();
-            self.take_step(step, &label);
+            self.take_step(step, false);
         }
     }
 
@@ -135,13 +134,8 @@ impl App {
         let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
-            let label = if is_back { UNDONE.to_owned() } else { self.redone_label() };
-            self.take_step(step, &label);
+            self.take_step(step, is_back);
         }
-    }
-
-    fn redone_label(&self) -> String {
-        self.document.history.undo_label().unwrap_or_default().to_owned()
     }
 
     /// Sets the undo steps from the past of a project, as far back as its logs are the open ones.

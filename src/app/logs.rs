@@ -229,7 +229,7 @@ impl App {
         self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
         self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
-            self.leave_search(id);
+            self.findings.search.leave(id, &mut self.jobs);
         }
         self.forget_steps();
         self.leave_reference();
@@ -237,7 +237,7 @@ impl App {
         self.findings.heights = Default::default();
         self.jobs.stop(&JobKey::ComparePositions);
         self.findings.positions = None;
-        self.number_objects(Default::default());
+        self.objects.renumber(Default::default(), &mut self.jobs);
         self.meet_log();
     }
 
@@ -323,7 +323,7 @@ impl App {
             log.preview = None;
         }
         if id == self.logs.shown.id {
-            self.forget_previews();
+            self.pipeline.previewer.forget(&mut self.jobs);
         }
     }
 
@@ -334,8 +334,8 @@ impl App {
         self.view.selection = None;
         self.view.hover = None;
         self.view.visible = 0..0;
-        self.forget_agreement();
-        self.forget_previews();
+        self.findings.reference_comparison.forget(&mut self.jobs);
+        self.pipeline.previewer.forget(&mut self.jobs);
         self.schedule();
     }
 
@@ -359,7 +359,7 @@ impl App {
         }
         self.keep_closed(id);
         self.jobs.stop_log(id);
-        self.leave_search(id);
+        self.findings.search.leave(id, &mut self.jobs);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|listed| *listed == id) else {
             return;
@@ -447,6 +447,6 @@ impl App {
     /// Shows a log, if it is not shown yet, and a place of it in all views.
     pub(super) fn reveal_in(&mut self, id: LogId, mark: LogPlace) {
         self.show_log(id);
-        self.reveal(mark);
+        self.view.reveal(mark);
     }
 }

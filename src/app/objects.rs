@@ -3,7 +3,7 @@
 //! A background job makes the list again when a box, a position, the confidence or the logs change.
 //! An object keeps its number while its boxes are decided, moved or hidden.
 
-use super::jobs::{JobKey, Kept};
+use super::jobs::{JobKey, JobQueue, Kept};
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
@@ -118,6 +118,15 @@ impl Objects {
         self.list.result()?.object_of(id)
     }
 
+    /// Drops all objects, and sets the numbers of a project, which its objects keep.
+    pub(super) fn renumber(&mut self, first: ObjectNumbers, jobs: &mut JobQueue) {
+        use JobKey::{CountPasses, FitShape, JoinObjects, ListObjects};
+        for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
+            jobs.stop(&key);
+        }
+        *self = Self { first: Arc::new(first), ..Self::default() };
+    }
+
     /// Returns the present numbers of the objects.
     pub(super) fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
@@ -142,15 +151,6 @@ impl OpenLogs {
 }
 
 impl App {
-    /// Drops all objects, and sets the numbers of a project, which its objects keep.
-    pub(super) fn number_objects(&mut self, first: ObjectNumbers) {
-        use JobKey::{CountPasses, FitShape, JoinObjects, ListObjects};
-        for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
-            self.jobs.stop(&key);
-        }
-        self.objects = Objects { first: Arc::new(first), ..Objects::default() };
-    }
-
     /// Returns the decisions about the boxes of each of [`OpenLogs::processed`], and the present
     /// numbers of the objects.
     pub(super) fn survey_review(&self) -> SurveyReview {

@@ -134,6 +134,13 @@ impl Previewer {
         }
     }
 
+    /// Drops the first returns that are searched ahead of the pipeline, and what was measured for
+    /// them.
+    pub(super) fn forget(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::Preview);
+        *self = Self::default();
+    }
+
     fn start(&mut self, request: PreviewRequest, jobs: &mut JobQueue, requested: bool) {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
@@ -293,18 +300,11 @@ impl App {
     pub(super) fn cancel(&mut self) {
         self.pipeline.is_waiting = true;
         self.stop_detecting();
-        self.stop_comparing();
+        self.findings.reference_comparison.stop(&mut self.jobs);
         self.jobs.stop_requested();
-        self.forget_previews();
+        self.pipeline.previewer.forget(&mut self.jobs);
         self.logs.shown.preview = None;
         self.files.to_load.clear();
-    }
-
-    /// Drops the first returns that are searched ahead of the pipeline, and what was measured for
-    /// them.
-    pub(super) fn forget_previews(&mut self) {
-        self.jobs.stop(&JobKey::Preview);
-        self.pipeline.previewer = Default::default();
     }
 
     /// Returns true if a path is a file of the log, which is never overwritten, and then warns the

@@ -239,7 +239,7 @@ impl App {
         self.wait_for(&JobKey::CreateProject);
         self.keep_project("close");
         self.finish_writing();
-        self.save_untitled();
+        self.files.project_saving.save_untitled(&mut self.notices);
     }
 
     /// Closes the project, before logs that do not belong to it are opened.
@@ -389,7 +389,7 @@ impl App {
             numbers.add_log(id, log.object_numbers.clone());
             self.take_project_log(id, &log, settings);
         }
-        self.number_objects(numbers);
+        self.objects.renumber(numbers, &mut self.jobs);
         if let Some(KeptQueue { sort, threshold }) = queue
             && (0.0..=1.0).contains(&threshold)
         {

@@ -128,6 +128,15 @@ pub struct ViewState {
     pub is_picture: bool,
 }
 
+impl ViewState {
+    /// Selects a place, and requests that the views show it.
+    pub(super) fn reveal(&mut self, mark: LogPlace) {
+        let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
+        self.selection = Some(mark);
+        self.reveal = Some(Reveal { mark, serial, close_up: None });
+    }
+}
+
 /// Base map, reference, measurement and planned lines that the analyst adds to the map.
 #[derive(Default)]
 pub struct MapWork {

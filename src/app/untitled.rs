@@ -8,9 +8,9 @@
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::project::{KnownLog, OpenedLogs, read};
+use super::project::{KnownLog, OpenedLogs, ProjectSaving, read};
 use super::reviewing::REVIEW_SUFFIX;
-use super::{Action, App, LogId, OpenLog};
+use super::{Action, App, LogId, Notices, OpenLog};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
@@ -132,6 +132,26 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
     })
 }
 
+impl ProjectSaving {
+    /// Writes the changes of an untitled project into its file, or removes it if all its logs were
+    /// closed.
+    pub(super) fn save_untitled(&mut self, notices: &mut Notices) {
+        let Some(store) = self.store.as_mut().filter(|_| self.is_untitled) else {
+            return;
+        };
+        if self.project.logs().is_empty() {
+            if let Some(store) = self.store.take() {
+                store.remove();
+            }
+        } else if store.is_unsaved(&self.project)
+            && let Err(error) = store.save(&self.project)
+        {
+            // The changes are in the journal.
+            notices.warn(error);
+        }
+    }
+}
+
 impl App {
     /// Saves a decision: in the journal of the project. The first decision begins an untitled
     /// project, unless that is impossible or under way, which contains it as soon as the logs are
@@ -216,25 +236,6 @@ impl App {
         let mut logs = self.logs.all().filter(|log| !is_saved || !log.is_file());
         let is_box_at_risk = logs.any(|log| log.reviewing.is_unsaved());
         is_box_at_risk || is_refused && self.document.history.steps().next().is_some()
-    }
-
-    /// Writes the changes of an untitled project into its file, or removes it if all its logs were
-    /// closed.
-    pub(super) fn save_untitled(&mut self) {
-        let saving = &mut self.files.project_saving;
-        let Some(store) = saving.store.as_mut().filter(|_| saving.is_untitled) else {
-            return;
-        };
-        if saving.project.logs().is_empty() {
-            if let Some(store) = saving.store.take() {
-                store.remove();
-            }
-        } else if store.is_unsaved(&saving.project)
-            && let Err(error) = store.save(&saving.project)
-        {
-            // The changes are in the journal.
-            self.notices.warn(error);
-        }
     }
 
     /// Notifies the analyst of where the decisions about a survey are that is being closed.
@@ -340,7 +341,7 @@ impl App {
             if is_first {
                 let mut numbers = ObjectNumbers::default();
                 numbers.add_log(id, log.object_numbers.clone());
-                app.number_objects(numbers);
+                app.objects.renumber(numbers, &mut app.jobs);
             }
             app.take_project_log(id, &log, settings);
         });

@@ -12,7 +12,7 @@
 //! others.
 
 use super::jobs::JobKey;
-use super::{App, Jobs, LogId, OpenLogs, crash_report};
+use super::{App, Jobs, LogId, Notices, OpenLogs, crash_report};
 use bathyscope_log::formats::{LogFolder, log_folders};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::mapped_file::FileFault;
@@ -85,6 +85,16 @@ impl OpenLogs {
         let mut surveys = self.all().filter_map(|log| log.survey.as_ref());
         surveys.try_for_each(|survey| survey.check_files())
     }
+
+    /// Notifies the analyst again of the logs that lost bytes, because a file was written that may
+    /// be made from them.
+    pub(super) fn say_lost(&self, notices: &mut Notices) {
+        let surveys = self.all().filter_map(|log| log.survey.as_ref());
+        let files = surveys.flat_map(|survey| survey.source.files.iter().zip(&survey.bytes));
+        for lost in files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path))) {
+            notices.warn(lost);
+        }
+    }
 }
 
 impl App {
@@ -125,18 +135,6 @@ impl App {
                 }
             },
         );
-    }
-
-    /// Notifies the analyst again of the logs that lost bytes, because a file was written that may
-    /// be made from them.
-    pub(super) fn say_lost_logs(&mut self) {
-        let surveys = self.logs.all().filter_map(|log| log.survey.as_ref());
-        let files = surveys.flat_map(|survey| survey.source.files.iter().zip(&survey.bytes));
-        let lost = files.filter_map(|(path, bytes)| Some(FileError::new(bytes.lost()?, path)));
-        let lost: Vec<String> = lost.map(|lost| lost.to_string()).collect();
-        for text in lost {
-            self.notices.warn(text);
-        }
     }
 
     /// Lists the drives when the time has come, while no log is open.

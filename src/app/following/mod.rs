@@ -249,7 +249,7 @@ impl App {
                 if let Some(log) = self.logs.get_mut(active.log) {
                     log.leave_map(&bytes);
                 }
-                self.forget_previews();
+                self.pipeline.previewer.forget(&mut self.jobs);
                 active.tools = Some(tools);
             }
             Err(error) => {

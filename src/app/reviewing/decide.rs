@@ -7,6 +7,7 @@ use crate::app::{App, Enlarged, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
 use bathyscope_objects::review::{BoxId, Edit, Review};
 use bathyscope_objects::{Mark, ObjectExtent};
+use bathyscope_products::project::UNDONE;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -36,9 +37,11 @@ impl Reviewing {
 }
 
 impl App {
-    /// Goes back or forward to an undo step, and to the box that it changes. The label is written
-    /// into the project's journal.
-    pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
+    /// Goes back or forward to an undo step, and to the box that it changes. The name of the step,
+    /// or that it was undone, is written into the project's journal.
+    pub(in crate::app) fn take_step(&mut self, step: UndoStep, is_back: bool) {
+        let done = self.document.history.undo_label().unwrap_or_default();
+        let label = if is_back { UNDONE.to_owned() } else { done.to_owned() };
         self.map.measuring.figure = step.figure;
         if self.map.planning.lines != step.planned {
             self.map.planning.selected = None;
@@ -58,7 +61,7 @@ impl App {
             self.show_box(changed, Enlarged::AsItIs);
         }
         self.settle_plane();
-        self.keep_decision(label);
+        self.keep_decision(&label);
         self.process();
     }
 
@@ -147,7 +150,7 @@ impl App {
             return;
         };
         let mark = middle(survey, &review_box.mark);
-        self.reveal(mark);
+        self.view.reveal(mark);
     }
 
     /// Applies an edit to the selected box, if there is one.

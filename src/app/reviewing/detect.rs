@@ -6,7 +6,7 @@
 //! are searched again.
 
 use crate::app::error::AppError;
-use crate::app::jobs::JobKey;
+use crate::app::jobs::{JobKey, JobQueue};
 use crate::app::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Navigation;
@@ -96,6 +96,23 @@ impl ObjectSearch {
     /// Returns true if a log is being searched or is waiting to be searched.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
+    }
+
+    /// Removes a log that is being closed from the search.
+    pub(in crate::app) fn leave(&mut self, log: LogId, jobs: &mut JobQueue) {
+        let planned = self.ahead.len();
+        self.ahead.retain(|queued| *queued != log);
+        let running = self.running.take_if(|running| running.log == log);
+        self.logs -= planned - self.ahead.len() + usize::from(running.is_some());
+        if running.is_some() {
+            jobs.stop(&JobKey::SearchObjects);
+        }
+    }
+
+    /// Stops and disables the search of the new pings of a followed log.
+    fn stop_tail(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::SearchTail);
+        self.searches_tail = false;
     }
 }
 
@@ -234,7 +251,7 @@ impl App {
 
     /// Stops a search; the boxes that it has found stay, with the range of searched pings.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        self.stop_tail();
+        self.findings.search.stop_tail(&mut self.jobs);
         self.jobs.stop(&JobKey::SearchObjects);
         if !self.findings.search.is_busy() {
             return;
@@ -327,18 +344,6 @@ impl App {
         }
     }
 
-    /// Removes a log that is being closed from the search.
-    pub(in crate::app) fn leave_search(&mut self, log: LogId) {
-        let search = &mut self.findings.search;
-        let planned = search.ahead.len();
-        search.ahead.retain(|queued| *queued != log);
-        let running = search.running.take_if(|running| running.log == log);
-        search.logs -= planned - search.ahead.len() + usize::from(running.is_some());
-        if running.is_some() {
-            self.jobs.stop(&JobKey::SearchObjects);
-        }
-    }
-
     /// Adds the boxes that were found in a log's first pings, as a part of the undo step of the
     /// search.
     fn adopt(&mut self, id: LogId, found: &[Detection], pings: usize, live: bool) {
@@ -358,12 +363,6 @@ impl App {
         let raster = reviewing.raster()?;
         let review = (reviewing.review).adopt_part(&name, names, found, raster, pings);
         Some(Arc::new(review))
-    }
-
-    /// Stops and disables the search.
-    fn stop_tail(&mut self) {
-        self.jobs.stop(&JobKey::SearchTail);
-        self.findings.search.searches_tail = false;
     }
 
     /// Starts searching the pings that a followed log has got since its last search, if objects
@@ -433,7 +432,7 @@ impl App {
             Ok(found) => found,
             Err(error) => {
                 // The same model would fail again.
-                self.stop_tail();
+                self.findings.search.stop_tail(&mut self.jobs);
                 return self.notices.warn(error);
             }
         };

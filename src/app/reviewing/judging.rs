@@ -281,7 +281,7 @@ impl App {
                 if let Some((survey, known)) = self.logs.shown.survey.as_ref().zip(known) {
                     let mark = middle(survey, &known.whole);
                     self.logs.shown.reviewing.judging.missed = Some(object);
-                    self.reveal(mark);
+                    self.view.reveal(mark);
                 }
             }
         }
