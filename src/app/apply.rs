@@ -327,20 +327,19 @@ impl App {
 
     /// Sets the own settings of a log, and its settings, composed of these and the shared ones.
     pub(super) fn set_own(&mut self, id: LogId, own: Arc<LogSettings>, live: bool) {
-        let settings = own.compose(&self.document.shared);
-        if let Some(log) = self.logs.get_mut(id) {
-            log.own = own;
-            match settings {
-                Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.notices.warn(error),
-            }
-        }
-    }
-
-    fn set(&mut self, id: LogId, settings: Settings, live: bool) {
-        if let Err(error) = self.follow_source(id, &settings) {
-            return self.notices.warn(error);
-        }
+        let composed = own.compose(&self.document.shared).map_err(AppError::from);
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        log.own = own;
+        let followed = composed.and_then(|settings| {
+            self.follow_source(id, &settings)?;
+            Ok(settings)
+        });
+        let settings = match followed {
+            Ok(settings) => settings,
+            Err(error) => return self.notices.warn(error),
+        };
         let Some(log) = self.logs.get_mut(id) else {
             return;
         };

@@ -242,15 +242,10 @@ impl App {
 /// Stores the measurement on the map in a project if it is finished; otherwise removes the
 /// measurement of the project.
 pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
-    match figure.filter(|figure| figure.done) {
-        Some(figure) => {
-            let measurement = figure.measurement.clone();
-            project.measurements.insert(MEASUREMENT, measurement);
-        }
-        None => {
-            project.measurements.remove(&MEASUREMENT);
-        }
-    }
+    project.measurements.remove(&MEASUREMENT);
+    let figure = figure.filter(|figure| figure.done);
+    let measurement = figure.map(|figure| (MEASUREMENT, figure.measurement.clone()));
+    project.measurements.extend(measurement);
 }
 
 /// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
@@ -287,18 +282,20 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
 }
 
 /// Returns the new value of the only setting that differs, as its control writes it, or the name of
-/// the preset that the settings now match; `None` if no setting or several differ.
+/// the preset that the settings now match and did not match before; `None` if no setting or several
+/// differ.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = if !Arc::ptr_eq(&before.shared, &after.shared) {
+        if let Some(preset) = after.shared.matching_preset() {
+            let is_new = before.shared.matching_preset() != Some(preset);
+            return is_new.then(|| preset.name().to_owned());
+        }
         (setting_values(&before.shared), setting_values(&after.shared))
     } else {
         let mut changed = changed_logs(before, after);
         let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
         (was.own.own().clone(), log.own.own().clone())
     };
-    if after.shared.matching_preset().is_some() && !Arc::ptr_eq(&before.shared, &after.shared) {
-        return preset_of(&before.shared, &after.shared);
-    }
     let keys = was.keys().chain(is.keys());
     let mut keys = keys.filter(|key| was.get(*key) != is.get(*key));
     let key = keys.next()?;
@@ -318,11 +315,4 @@ fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<
         }
         _ => None,
     }
-}
-
-/// Returns the name of the preset that the settings now match; `None` if none, or if it matched
-/// before.
-fn preset_of(before: &Settings, after: &Settings) -> Option<String> {
-    let preset = after.matching_preset()?;
-    (before.matching_preset() != Some(preset)).then(|| preset.name().to_owned())
 }

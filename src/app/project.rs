@@ -259,10 +259,10 @@ impl App {
         project.settings = Settings::clone(&self.document.shared);
         let is_placed = self.logs.all().any(OpenLog::is_placed);
         project.origin = is_placed.then(|| self.document.plane.origin());
-        let open: Vec<&OpenLog> = self.logs.all().filter(|log| log.file.is_some()).collect();
+        let open = self.logs.all().filter_map(|log| Some((log, log.file.as_ref()?)));
+        let open: Vec<(&OpenLog, &LogFile)> = open.collect();
         let is_open = |log: &ProjectLog| {
-            let mut files = open.iter().filter_map(|open| open.file.as_ref());
-            files.any(|file| file.sha256 == log.file.sha256)
+            open.iter().any(|(_, file)| file.sha256 == log.file.sha256)
                 || self.files.missing.contains(&log.key)
         };
         let gone: Vec<_> = (project.logs().iter())
@@ -272,9 +272,7 @@ impl App {
         for key in gone {
             project = project.without_log(&key).unwrap_or(project);
         }
-        for (place, (log, file)) in
-            open.iter().filter_map(|log| Some((log, log.file.as_ref()?))).enumerate()
-        {
+        for (place, (log, file)) in open.into_iter().enumerate() {
             let known = project.log_like(file).cloned();
             let is_new = known.is_none();
             let mut entry = known
@@ -292,14 +290,9 @@ impl App {
             project = project.with_log_at(&key, place).unwrap_or(project);
         }
         keep_figure(&mut project, self.map.measuring.figure.as_ref());
-        match &self.map.base_map {
-            Some(map) => {
-                project.files.insert(BASE_MAP.to_owned(), map.path.clone());
-            }
-            None => {
-                project.files.remove(BASE_MAP);
-            }
-        }
+        project.files.remove(BASE_MAP);
+        let base_map = self.map.base_map.as_ref();
+        project.files.extend(base_map.map(|map| (BASE_MAP.to_owned(), map.path.clone())));
         project.set_view(VIEW, &self.view.options);
         let Queue { sort, threshold, .. } = self.logs.shown.reviewing.queue;
         project.set_view(REVIEW_VIEW, &KeptQueue { sort, threshold });

@@ -55,9 +55,10 @@ pub struct Judging {
     /// True if boxes, raster or truth have changed since the last comparison began.
     pub(super) outdated: bool,
     standing: Option<Standing>,
-    pub(super) sort: MistakeSort,
-    /// Index of the missed object that is shown; `None` if none is.
-    missed: Option<usize>,
+    /// Order of the list of mistakes.
+    pub(crate) sort: MistakeSort,
+    /// Index of the missed object that is shown, in the truth's objects; `None` if none is.
+    pub missed: Option<usize>,
 }
 
 impl Judging {
@@ -87,17 +88,6 @@ impl Judging {
     /// Returns the false alarms and missed objects, in the chosen order.
     pub fn mistakes(&self) -> &[Mistake] {
         self.standing().map_or(&[], |standing| &standing.mistakes)
-    }
-
-    /// Returns the order of the list of mistakes.
-    pub fn sort(&self) -> MistakeSort {
-        self.sort
-    }
-
-    /// Returns the index of the shown missed object in the truth's objects; `None` if none is
-    /// shown.
-    pub fn missed(&self) -> Option<usize> {
-        self.missed
     }
 
     /// Deselects the missed object.
