@@ -11,7 +11,7 @@ use bathyscope_bottom::cloud::{PointClass, PointSource};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::Error;
 use bathyscope_products::outputs::finish_killed_run;
-use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference, Settings};
+use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference, Same, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -83,13 +83,13 @@ pub struct ReferenceComparison {
 }
 
 /// Inputs of an agreement, found or requested.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 struct Of {
     /// The classes of the points of each log, and the settings of its surface with the widest gap.
-    logs: Vec<(Arc<Vec<PointClass>>, SurfaceSettings)>,
+    logs: Vec<(Same<Vec<PointClass>>, SurfaceSettings)>,
     /// The reference, and the method that finds the reference of a point; `None` for the survey's
     /// own soundings.
-    reference: Option<(Arc<Reference>, Matching)>,
+    reference: Option<(Same<Reference>, Matching)>,
 }
 
 impl Of {
@@ -97,25 +97,10 @@ impl Of {
     fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
         let of_log = |log: &ProcessedLog| {
             let products = &log.products;
-            (products.classes.clone(), products.settings.surface.clone())
+            (Same(products.classes.clone()), products.settings.surface.clone())
         };
+        let reference = reference.map(|(reference, matching)| (Same(reference), matching));
         Self { logs: logs.iter().map(of_log).collect(), reference }
-    }
-}
-
-impl PartialEq for Of {
-    fn eq(&self, other: &Self) -> bool {
-        let same_reference = match (&self.reference, &other.reference) {
-            (Some((one, matching)), Some((other, other_matching))) => {
-                Arc::ptr_eq(one, other) && matching == other_matching
-            }
-            (None, None) => true,
-            _ => false,
-        };
-        let mut pairs = self.logs.iter().zip(&other.logs);
-        let same_points = self.logs.len() == other.logs.len()
-            && pairs.all(|(one, other)| Arc::ptr_eq(&one.0, &other.0) && one.1 == other.1);
-        same_points && same_reference
     }
 }
 
@@ -213,7 +198,7 @@ impl App {
         self.jobs.run(
             JobKey::CompareReference,
             move |progress| match &of.reference {
-                Some((reference, matching)) => {
+                Some((Same(reference), matching)) => {
                     let made = Agreement::with_reference(&logs, reference, *matching, progress);
                     Ok(Some(made?))
                 }

@@ -59,14 +59,9 @@ fn list_of(logs: &[LogBoxes], before: &ObjectNumbers) -> ObjectList {
     ObjectList::join(boxes.collect(), &pass_logs, before)
 }
 
-/// The object whose passes are counted, and the logs of these passes.
-#[derive(Clone, PartialEq)]
-struct PassesOf {
-    number: u32,
-    boxes: Vec<LogBox>,
-    place_m: [f64; 2],
-    logs: Vec<(LogId, Same<Navigation>)>,
-}
+/// The object whose passes are counted, with its boxes and its position in metres, and the logs of
+/// these passes.
+type PassesOf = (u32, Vec<LogBox>, [f64; 2], Vec<(LogId, Same<Navigation>)>);
 
 /// The boxes of an object with their positions, to which its shape is fitted.
 type ShapeOf = Vec<(LogBox, Same<LocatedObject>)>;
@@ -260,12 +255,8 @@ impl App {
         let (number, list) = (object.number, self.objects.list.result().cloned());
         let track =
             |log_boxes: &LogBoxes| (log_boxes.review.log, Same(log_boxes.navigation.clone()));
-        let of = PassesOf {
-            number,
-            boxes: object.boxes.clone(),
-            place_m: object.place_m,
-            logs: logs.iter().map(track).collect(),
-        };
+        let tracks = logs.iter().map(track).collect();
+        let of: PassesOf = (number, object.boxes.clone(), object.place_m, tracks);
         let work = move |_: &Progress| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
             Some((number, list?.object(number)?.passes(&logs)))
