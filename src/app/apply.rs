@@ -4,10 +4,9 @@
 use super::action::action_rows;
 use super::crossings::FoundHeights;
 use super::error::AppError;
-use super::external::Instrument;
-use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
+use super::source::{Instrument, with_sides};
 use super::{
     Action, App, Command, Enlarged, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId,
     LogOrigin, LogPlace, MapLayer, Orientation, SideColours, ThemeChoice, Tool, View, ViewOptions,

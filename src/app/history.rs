@@ -2,8 +2,8 @@
 //! Records and names the changes that the analyst makes as undo steps, and goes back and forward
 //! through them.
 
-use super::mounting::Mountings;
 use super::planning::PlannedLines;
+use super::source::Mountings;
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::review::Review;

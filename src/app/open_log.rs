@@ -4,9 +4,9 @@
 use super::Figures;
 use super::calibrating::Calibrating;
 use super::exclusions::{ExclusionKey, FoundExclusions};
-use super::external::External;
 use super::jobs::Kept;
 use super::reviewing::Reviewing;
+use super::source::External;
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::survey::{Apart, Survey};
 use bathyscope_objects::objects::{LogId, LogReview};
