@@ -76,7 +76,7 @@ impl App {
         UndoStep {
             shared: self.document.shared.clone(),
             logs: self.logs.all().map(LogStep::of).collect(),
-            closed: self.logs.closed_ids().collect(),
+            closed: self.logs.closed.iter().map(|log| log.id).collect(),
             figure: self.map.measuring.figure.clone(),
             planned: self.map.planning.lines.clone(),
             mountings: self.document.mountings.clone(),

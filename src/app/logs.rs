@@ -38,6 +38,7 @@ pub struct OpenLogs {
     pub(super) others: Vec<OpenLog>,
     /// All open logs, in the order of the list.
     pub(super) order: Vec<LogId>,
+    /// Number of logs that were opened so far.
     last: u64,
     /// Newly opened logs, which `App::set_apart` has not checked yet.
     pub(super) arrived: Vec<LogId>,
@@ -46,11 +47,6 @@ pub struct OpenLogs {
 }
 
 impl OpenLogs {
-    fn next_id(&mut self) -> LogId {
-        self.last += 1;
-        LogId(self.last)
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
@@ -175,11 +171,6 @@ impl OpenLogs {
         }
     }
 
-    /// Returns the ids of the closed logs that can be opened again.
-    pub(super) fn closed_ids(&self) -> impl Iterator<Item = LogId> {
-        self.closed.iter().map(|log| log.id)
-    }
-
     /// Returns the name of an open log for sentences; empty if there is no such log.
     pub(super) fn name_of(&self, id: LogId) -> String {
         self.get(id).map_or_else(String::new, |log| quoted(&log.name()))
@@ -279,7 +270,8 @@ impl App {
     }
 
     fn opened(&mut self, survey: Arc<Survey>) -> OpenLog {
-        let id = self.logs.next_id();
+        self.logs.last += 1;
+        let id = LogId(self.logs.last);
         self.logs.order.push(id);
         // A closed log that is opened again by its file must not be opened a second time by undo.
         let own = Identity::of(&survey);

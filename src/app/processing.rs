@@ -242,12 +242,17 @@ impl App {
         );
     }
 
-    /// Sets new results of a log.
+    /// Sets new results of a log; notifies the analyst of depths that a change of scale changed.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
         let Some(log) = self.logs.get_mut(id) else {
             return;
         };
-        let sentence = log.take_products(products);
+        log.preview = None;
+        let sentence = log.calibrating.said_of_change(&products);
+        if let Some(survey) = &log.survey {
+            log.reviewing.follow(survey, &products.navigation);
+        }
+        log.products = Some(products);
         let counted = log.settled();
         if let Some(log) = counted {
             self.count_figures(id, log);
@@ -335,20 +340,6 @@ impl App {
         if let Some(request) = self.pipeline.previewer.queued.take() {
             self.pipeline.previewer.start(request, &mut self.jobs, true);
         }
-    }
-}
-
-impl OpenLog {
-    /// Sets new results; returns a sentence about the depths if they are the results of a change of
-    /// scale.
-    fn take_products(&mut self, products: Products) -> Option<String> {
-        self.preview = None;
-        let sentence = self.calibrating.said_of_change(&products);
-        if let Some(survey) = self.survey.clone() {
-            self.reviewing.follow(&survey, &products.navigation);
-        }
-        self.products = Some(products);
-        sentence
     }
 }
 

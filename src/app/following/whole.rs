@@ -279,7 +279,9 @@ impl OpenLog {
         name(&mut self.settings);
         let whole = self.whole.as_mut().map(|whole| &mut whole.products);
         for products in self.products.as_mut().into_iter().chain(whole) {
-            if is_measured_on(products, pings) {
+            let made = &products.calibration;
+            let spot = made.flat_spot.as_ref().filter(|_| made.mode == ScaleMode::FlatSpot);
+            if spot.is_some_and(|spot| spot.range() == pings) {
                 name(&mut products.settings);
             }
         }
@@ -294,13 +296,6 @@ fn bare(settings: &Settings) -> Settings {
     bare.excluded.log = None;
     bare.picture = PictureSettings::default();
     bare
-}
-
-/// Returns true if results depend on the scale of these pings.
-fn is_measured_on(products: &Products, pings: PingRange) -> bool {
-    let made = &products.calibration;
-    let spot = made.flat_spot.as_ref();
-    made.mode == ScaleMode::FlatSpot && spot.is_some_and(|spot| spot.range() == pings)
 }
 
 /// Returns the best-ranked stretch, and a sentence about its effect; `None` if it is the stretch in
