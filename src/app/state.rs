@@ -23,7 +23,6 @@ use super::watching::{CardSearch, FileWatch};
 use super::{Jobs, LogPlace, Reveal, ViewOptions};
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
-use bathyscope_log::survey::Track;
 use bathyscope_products::pipeline::{Settings, Stage};
 use bathyscope_products::project::{History, LogKey};
 use std::collections::VecDeque;
@@ -32,6 +31,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// State of the open survey as a whole, whichever log is shown.
+#[derive(Default)]
 pub struct Document {
     /// The settings from which a new survey starts: the preset, or the settings that the program
     /// was started with.
@@ -47,19 +47,6 @@ pub struct Document {
     pub mountings: Arc<Mountings>,
     /// Steps that undo goes back to.
     pub history: History<UndoStep>,
-}
-
-impl Default for Document {
-    fn default() -> Self {
-        Self {
-            start: Arc::default(),
-            shared: Arc::default(),
-            plane: Track::default().frame,
-            is_plane_moved: false,
-            mountings: Arc::default(),
-            history: History::default(),
-        }
-    }
 }
 
 /// State of the pipeline.
