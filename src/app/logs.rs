@@ -290,8 +290,7 @@ impl App {
 
     /// Shows another of the open logs in waterfall, profile and panels.
     pub(super) fn show_log(&mut self, id: LogId) {
-        let place = self.logs.others.iter().position(|log| log.id == id);
-        let Some(place) = place else {
+        let Some(place) = self.logs.others.iter().position(|log| log.id == id) else {
             return;
         };
         std::mem::swap(&mut self.logs.shown, &mut self.logs.others[place]);
@@ -369,9 +368,8 @@ impl App {
                 self.meet_log();
             }
         }
-        let closed = self.logs.others.iter().position(|log| log.id == id);
-        if let Some(closed) = closed {
-            let closed = self.logs.others.remove(closed);
+        if let Some(place) = self.logs.others.iter().position(|log| log.id == id) {
+            let closed = self.logs.others.remove(place);
             self.logs.close(closed);
         }
         self.logs.name_all();

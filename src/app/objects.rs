@@ -53,12 +53,6 @@ impl LogBoxes {
     }
 }
 
-fn list_of(logs: &[LogBoxes], before: &ObjectNumbers) -> ObjectList {
-    let boxes = (logs.iter().enumerate()).flat_map(|(log, boxes)| boxes.boxes(log));
-    let pass_logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
-    ObjectList::join(boxes.collect(), &pass_logs, before)
-}
-
 /// The object whose passes are counted, with its boxes and its position in metres, and the logs of
 /// these passes.
 type PassesOf = (u32, Vec<LogBox>, [f64; 2], Vec<(LogId, Same<Navigation>)>);
@@ -203,7 +197,9 @@ impl App {
         let key = logs.clone();
         let work = move |_: &Progress| {
             let before = before.as_ref().map_or(&*first, |list| list.numbers());
-            Some(Arc::new(list_of(&of, before)))
+            let boxes = (of.iter().enumerate()).flat_map(|(log, boxes)| boxes.boxes(log));
+            let pass_logs: Vec<PassLog<'_>> = of.iter().map(LogBoxes::pass_log).collect();
+            Some(Arc::new(ObjectList::join(boxes.collect(), &pass_logs, before)))
         };
         self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.objects.list));
         self.list_objects();

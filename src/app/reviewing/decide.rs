@@ -5,7 +5,7 @@ use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::history::{LogStep, UndoStep};
 use crate::app::{App, Enlarged, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
-use bathyscope_objects::review::{BoxId, Edit, Review};
+use bathyscope_objects::review::{BoxId, Edit, Review, Reviewed};
 use bathyscope_objects::{Mark, ObjectExtent};
 use bathyscope_products::project::UNDONE;
 use std::borrow::Cow;
@@ -30,7 +30,8 @@ impl Reviewing {
         if Arc::ptr_eq(&review, &self.review) {
             return None;
         }
-        let changed = first_difference(&self.review, &review);
+        let differs = |new: &&Reviewed| self.review.get(new.id) != Some(*new);
+        let changed = review.boxes().find(differs).map(|new| new.id);
         self.set(review);
         changed
     }
@@ -257,13 +258,6 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
         }
     }
     moved
-}
-
-/// Returns the first box of `to` that differs from its version in `from`, or is missing there.
-fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
-    to.boxes()
-        .find(|review_box| from.get(review_box.id) != Some(*review_box))
-        .map(|review_box| review_box.id)
 }
 
 #[cfg(test)]
