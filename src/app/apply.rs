@@ -4,13 +4,12 @@
 use super::action::action_rows;
 use super::crossings::FoundHeights;
 use super::error::AppError;
-use super::external::Instrument;
-use super::mounting::with_sides;
 use super::opening::OpenMode;
 use super::project::is_project;
+use super::source::{Instrument, with_sides};
 use super::{
-    Action, App, Command, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId, LogOrigin,
-    LogPlace, MapLayer, Orientation, Reveal, SideColours, ThemeChoice, Tool, View, ViewOptions,
+    Action, App, Command, Enlarged, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId,
+    LogOrigin, LogPlace, MapLayer, Orientation, SideColours, ThemeChoice, Tool, View, ViewOptions,
     WindowAction,
 };
 use bathyscope_bottom::mosaic::Gain;
@@ -128,7 +127,7 @@ impl App {
                 self.logs.shown.reviewing.selected = None;
                 self.logs.shown.reviewing.judging.look_away();
             }
-            Command::Reveal(mark) => self.reveal(mark),
+            Command::Reveal(mark) => self.view.reveal(mark),
             Command::Visible(pings) => self.view.visible = pings,
             Command::CompareWithReference => self.compare_with_reference(),
             Command::CompareWith(path) => self.compare_with(path),
@@ -149,7 +148,7 @@ impl App {
             }
             Command::SelectBox(id) => self.select_box(id),
             Command::SelectLogBox(id) => self.select_log_box(id),
-            Command::FlyTo(id) => self.fly_to(id),
+            Command::FlyTo(id) => self.show_box(id, Enlarged::Third),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::Exclude { log, part, edit } => self.exclude(log, part, edit),
             Command::AcceptBottom { side, pings, accept } => {
@@ -327,20 +326,19 @@ impl App {
 
     /// Sets the own settings of a log, and its settings, composed of these and the shared ones.
     pub(super) fn set_own(&mut self, id: LogId, own: Arc<LogSettings>, live: bool) {
-        let settings = own.compose(&self.document.shared);
-        if let Some(log) = self.logs.get_mut(id) {
-            log.own = own;
-            match settings {
-                Ok(settings) => self.set(id, settings, live),
-                Err(error) => self.notices.warn(error),
-            }
-        }
-    }
-
-    fn set(&mut self, id: LogId, settings: Settings, live: bool) {
-        if let Err(error) = self.follow_source(id, &settings) {
-            return self.notices.warn(error);
-        }
+        let composed = own.compose(&self.document.shared).map_err(AppError::from);
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        log.own = own;
+        let followed = composed.and_then(|settings| {
+            self.follow_source(id, &settings)?;
+            Ok(settings)
+        });
+        let settings = match followed {
+            Ok(settings) => settings,
+            Err(error) => return self.notices.warn(error),
+        };
         let Some(log) = self.logs.get_mut(id) else {
             return;
         };
@@ -380,12 +378,6 @@ impl App {
         });
     }
 
-    pub(super) fn reveal(&mut self, mark: LogPlace) {
-        let serial = self.view.reveal.map_or(0, |reveal| reveal.serial) + 1;
-        self.view.selection = Some(mark);
-        self.view.reveal = Some(Reveal { mark, serial, close_up: None });
-    }
-
     /// Leaves the innermost activity: measuring, a tool or selected box, a proposed stretch, or
     /// else the finished measurement.
     fn leave_current_tool(&mut self) {
@@ -423,7 +415,7 @@ impl App {
             None if pings == isize::MAX => last,
             None => 0,
         };
-        self.reveal(LogPlace::ping(ping));
+        self.view.reveal(LogPlace::ping(ping));
     }
 }
 

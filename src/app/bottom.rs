@@ -88,7 +88,7 @@ impl App {
                 Ink::Search => bottom.without(side, line.pings),
             };
         }
-        self.set_bottom(bottom);
+        self.edit_settings("bottom", |settings| settings.bottom = bottom);
     }
 
     /// Accepts the first returns of some pings as bottom where they were found, or undoes the
@@ -111,7 +111,7 @@ impl App {
         if bottom == self.logs.shown.settings.bottom {
             return;
         }
-        self.set_bottom(bottom);
+        self.edit_settings("bottom", |settings| settings.bottom = bottom);
         let what = if accept { "Accepted as bottom" } else { "No longer accepted as bottom" };
         let sides = if self.view.options.waterfall.bottom_both_sides {
             "both sides".to_owned()
@@ -147,10 +147,6 @@ impl App {
             };
             bottom = bottom.with(line);
         }
-        self.set_bottom(bottom);
-    }
-
-    fn set_bottom(&mut self, bottom: BottomSettings) {
         self.edit_settings("bottom", |settings| settings.bottom = bottom);
     }
 }

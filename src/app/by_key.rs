@@ -2,7 +2,7 @@
 //! text that is typed outside a field, is noticed at once.
 
 use super::history::{LogStep, UndoStep};
-use super::{Action, App, Command, KeyFocus, LogBox, MapLayer, View};
+use super::{Action, App, Command, Enlarged, KeyFocus, LogBox, MapLayer, View};
 use bathyscope_objects::review::BoxId;
 use bathyscope_products::pipeline::{SettingValues, setting_values};
 use std::sync::Arc;
@@ -81,7 +81,8 @@ impl App {
         let is_in_view = focus != KeyFocus::View(View::Waterfall)
             || pings.start < self.view.visible.end && self.view.visible.start < pings.end;
         if !is_in_view {
-            self.bring_in(LogBox { log: self.logs.shown.id, id: BoxId(number) });
+            let hidden = LogBox { log: self.logs.shown.id, id: BoxId(number) };
+            self.show_box(hidden, Enlarged::AsItIs);
             let text = format!("box {number} was out of view; press {keys} again");
             self.notices.notify(text);
         }

@@ -159,22 +159,14 @@ impl App {
             let text = format!("the proposed stretch gives no scale. {why}");
             return self.notices.warn(text);
         }
-        self.use_stretch(self.logs.shown.id, pings);
-    }
-
-    /// Scales a log by one of its stretches, as an undo step.
-    fn use_stretch(&mut self, id: LogId, pings: PingRange) {
-        let (first, last) = (pings.start, pings.end.saturating_sub(1));
-        let what = format!("Scale from pings {first} to {last}");
-        self.set_scale(id, ScaleMode::FlatSpot, Some(pings), what);
+        self.set_scale(self.logs.shown.id, Some(pings));
     }
 
     /// Scales the shown log by the recorder's own range, as an undo step, and drops the proposal.
     pub(super) fn keep_recorded_range(&mut self) {
         self.logs.shown.calibrating.drop_proposal();
         if self.logs.shown.settings.calibration.mode != ScaleMode::Header {
-            let what = "Scale: recorded range".to_owned();
-            self.set_scale(self.logs.shown.id, ScaleMode::Header, None, what);
+            self.set_scale(self.logs.shown.id, None);
         }
     }
 
@@ -184,13 +176,20 @@ impl App {
         let offered = |log: &OpenLog| Some((log.id, log.calibrating.offered?));
         let found = self.logs.all().find_map(offered);
         if let Some((id, pings)) = found {
-            self.use_stretch(id, pings);
+            self.set_scale(id, Some(pings));
         }
     }
 
-    /// Changes the scale of a log, as one of its own settings: a scale that is measured on its
-    /// pings is not valid for another log.
-    fn set_scale(&mut self, id: LogId, mode: ScaleMode, pings: Option<PingRange>, what: String) {
+    /// Scales a log by one of its stretches, or by the recorder's own range, as an undo step and
+    /// one of its own settings: a scale that is measured on its pings is not valid for another log.
+    fn set_scale(&mut self, id: LogId, pings: Option<PingRange>) {
+        let (mode, what) = match pings {
+            Some(PingRange { start, end }) => {
+                let last = end.saturating_sub(1);
+                (ScaleMode::FlatSpot, format!("Scale from pings {start} to {last}"))
+            }
+            None => (ScaleMode::Header, "Scale: recorded range".to_owned()),
+        };
         let before = self.step_now();
         let (shared, count) = (self.document.shared.clone(), self.logs.count());
         let Some(log) = self.logs.get_mut(id) else {

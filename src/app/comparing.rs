@@ -3,7 +3,7 @@
 //! comparison needs a triangulation of all soundings.
 
 use super::error::AppError;
-use super::jobs::JobKey;
+use super::jobs::{JobKey, JobQueue};
 use super::{App, MapLayer};
 use bathyscope_bottom::bathymetry::SurfaceSettings;
 use bathyscope_bottom::bathymetry::compare::Matching;
@@ -11,7 +11,7 @@ use bathyscope_bottom::cloud::{PointClass, PointSource};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::Error;
 use bathyscope_products::outputs::finish_killed_run;
-use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference, Settings};
+use bathyscope_products::pipeline::{Agreement, ProcessedLog, Reference, Same, Settings};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -83,13 +83,13 @@ pub struct ReferenceComparison {
 }
 
 /// Inputs of an agreement, found or requested.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 struct Of {
     /// The classes of the points of each log, and the settings of its surface with the widest gap.
-    logs: Vec<(Arc<Vec<PointClass>>, SurfaceSettings)>,
+    logs: Vec<(Same<Vec<PointClass>>, SurfaceSettings)>,
     /// The reference, and the method that finds the reference of a point; `None` for the survey's
     /// own soundings.
-    reference: Option<(Arc<Reference>, Matching)>,
+    reference: Option<(Same<Reference>, Matching)>,
 }
 
 impl Of {
@@ -97,25 +97,10 @@ impl Of {
     fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
         let of_log = |log: &ProcessedLog| {
             let products = &log.products;
-            (products.classes.clone(), products.settings.surface.clone())
+            (Same(products.classes.clone()), products.settings.surface.clone())
         };
+        let reference = reference.map(|(reference, matching)| (Same(reference), matching));
         Self { logs: logs.iter().map(of_log).collect(), reference }
-    }
-}
-
-impl PartialEq for Of {
-    fn eq(&self, other: &Self) -> bool {
-        let same_reference = match (&self.reference, &other.reference) {
-            (Some((one, matching)), Some((other, other_matching))) => {
-                Arc::ptr_eq(one, other) && matching == other_matching
-            }
-            (None, None) => true,
-            _ => false,
-        };
-        let mut pairs = self.logs.iter().zip(&other.logs);
-        let same_points = self.logs.len() == other.logs.len()
-            && pairs.all(|(one, other)| Arc::ptr_eq(&one.0, &other.0) && one.1 == other.1);
-        same_points && same_reference
     }
 }
 
@@ -134,6 +119,20 @@ impl ReferenceComparison {
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self { of: self.of.clone(), agreement: self.agreement.clone(), ..Self::default() }
+    }
+
+    /// Drops the agreement, and stops the comparison.
+    pub(super) fn forget(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::CompareReference);
+        *self = Self::default();
+    }
+
+    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
+    pub(super) fn stop(&mut self, jobs: &mut JobQueue) {
+        if jobs.stop(&JobKey::CompareReference) {
+            self.agreement = None;
+            self.problem = Some(STOPPED.to_owned());
+        }
     }
 
     /// Permits a stopped comparison to start again.
@@ -181,22 +180,7 @@ impl App {
     pub(super) fn leave_reference(&mut self) {
         self.jobs.stop(&JobKey::OpenReference);
         self.map.comparing.reference = None;
-        self.forget_agreement();
-    }
-
-    /// Drops the agreement, and stops the comparison.
-    pub(super) fn forget_agreement(&mut self) {
-        self.jobs.stop(&JobKey::CompareReference);
-        self.findings.reference_comparison = ReferenceComparison::default();
-    }
-
-    /// Stops the comparison until [`ReferenceComparison::resume`] is called.
-    pub(super) fn stop_comparing(&mut self) {
-        if self.jobs.stop(&JobKey::CompareReference) {
-            let made = &mut self.findings.reference_comparison;
-            made.agreement = None;
-            made.problem = Some(STOPPED.to_owned());
-        }
+        self.findings.reference_comparison.forget(&mut self.jobs);
     }
 
     /// Starts comparing the results of the visible logs, unless that is done or running.
@@ -214,7 +198,7 @@ impl App {
         self.jobs.run(
             JobKey::CompareReference,
             move |progress| match &of.reference {
-                Some((reference, matching)) => {
+                Some((Same(reference), matching)) => {
                     let made = Agreement::with_reference(&logs, reference, *matching, progress);
                     Ok(Some(made?))
                 }

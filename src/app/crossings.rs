@@ -171,24 +171,22 @@ impl App {
     /// Notifies the analyst once of false soundings and of height differences, with the commands
     /// that leave the soundings out and level the logs.
     fn say_heights(&mut self) {
-        let found = self.contradicted_soundings();
-        let is_said = self.findings.heights.last_false_notice.as_ref() == found.first();
-        if !is_said {
-            self.notices.withdraw(Action::LeaveOutContradicted);
-            if let Some(text) = found.first() {
-                self.notices.offer(text.clone(), Action::LeaveOutContradicted);
-            }
-            self.findings.heights.last_false_notice = found.into_iter().next();
-        }
+        let contradicted = self.contradicted_soundings().into_iter().next();
         let unlevelled = self.unlevelled();
-        if self.findings.heights.last_notice == unlevelled {
-            return;
+        let heights = &mut self.findings.heights;
+        for (last, now, action) in [
+            (&mut heights.last_false_notice, contradicted, Action::LeaveOutContradicted),
+            (&mut heights.last_notice, unlevelled, Action::ApplyHeights),
+        ] {
+            if *last == now {
+                continue;
+            }
+            self.notices.withdraw(action);
+            if let Some(text) = &now {
+                self.notices.offer(text.clone(), action);
+            }
+            *last = now;
         }
-        self.notices.withdraw(Action::ApplyHeights);
-        if let Some(text) = &unlevelled {
-            self.notices.offer(text.clone(), Action::ApplyHeights);
-        }
-        self.findings.heights.last_notice = unlevelled;
     }
 
     /// Excludes the soundings that other logs show to be false, as one undo step.

@@ -1,10 +1,8 @@
 //! Errors of operations that the analyst requests.
 
-use bathyscope_log::formats::base_map::BaseMapError;
 use bathyscope_log::formats::{GrowingError, OpenError};
 use bathyscope_log::support::file_error::FileError;
 use bathyscope_log::support::progress::Cancelled;
-use bathyscope_objects::review::ReviewError;
 use bathyscope_objects::truth::TruthError;
 use bathyscope_objects::{DetectError, ModelError};
 use bathyscope_products::export::ExportError;
@@ -43,9 +41,6 @@ pub(super) enum AppError {
     /// The track of another receiver, the readings of a gauge or a polygon cannot be read.
     #[error(transparent)]
     Unusable(#[from] FileError),
-    /// A base map cannot be opened.
-    #[error(transparent)]
-    BaseMap(#[from] BaseMapError),
     /// A model cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -64,9 +59,6 @@ pub(super) enum AppError {
         /// Path of the folder.
         path: PathBuf,
     },
-    /// A review cannot be used.
-    #[error(transparent)]
-    Review(#[from] ReviewError),
     /// The truth of the demo survey cannot be used.
     #[error(transparent)]
     DemoTruth(#[from] TruthError),

@@ -88,23 +88,21 @@ impl App {
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
     ) {
-        self.start_writing(write, |_| (), None);
+        self.start_writing(write, |app| app.written_into = None);
     }
 
-    /// Writes something in a background thread, `into` a folder if it is one; `written` is called
-    /// before the analyst is notified of what was written.
+    /// Writes something in a background thread; before the analyst is notified of what was written,
+    /// `written` is called, which sets the folder that was written into.
     fn start_writing<E: Error + Send + Sync + 'static>(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, E> + Send + 'static,
         written: impl FnOnce(&mut Self) + Send + 'static,
-        into: Option<PathBuf>,
     ) {
         self.jobs.run(JobKey::Export, write, |app, text| {
             app.notices.withdraw(Action::OpenExported);
             match text {
                 Ok(text) => {
                     written(app);
-                    app.written_into = into;
                     match app.written_into {
                         Some(_) => app.notices.offer(text, Action::OpenExported),
                         None => app.notices.notify(text),
@@ -112,7 +110,7 @@ impl App {
                 }
                 Err(error) => app.notices.warn(error),
             }
-            app.say_lost_logs();
+            app.logs.say_lost(&mut app.notices);
         });
     }
 
@@ -155,8 +153,9 @@ impl App {
                 let run = EarlierRun::read(&folder);
                 app.files.exported = run.map(|run| Exported { log, folder, run });
             }
+            app.written_into = Some(into);
         };
-        self.start_writing(write, written, Some(into));
+        self.start_writing(write, written);
     }
 
     /// Writes the shown log, or some of its pings, into a file.

@@ -2,14 +2,14 @@
 //! Records and names the changes that the analyst makes as undo steps, and goes back and forward
 //! through them.
 
-use super::mounting::Mountings;
 use super::planning::PlannedLines;
+use super::source::Mountings;
 use super::{Action, App, LogId, OpenLog};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_objects::review::Review;
 use bathyscope_products::pipeline::settings::{Number, SettingKind, row};
 use bathyscope_products::pipeline::{LogSettings, Settings, setting_values};
-use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog, UNDONE};
+use bathyscope_products::project::{History, Measurement, PastStep, Project, ProjectLog};
 use std::borrow::Cow;
 use std::sync::Arc;
 use toml::Value;
@@ -76,7 +76,7 @@ impl App {
         UndoStep {
             shared: self.document.shared.clone(),
             logs: self.logs.all().map(LogStep::of).collect(),
-            closed: self.logs.closed_ids().collect(),
+            closed: self.logs.closed.iter().map(|log| log.id).collect(),
             figure: self.map.measuring.figure.clone(),
             planned: self.map.planning.lines.clone(),
             mountings: self.document.mountings.clone(),
@@ -117,7 +117,7 @@ impl App {
     pub(super) fn undo(&mut self) {
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.undo(&self.step_now()) {
-            self.take_step(step, UNDONE);
+            self.take_step(step, true);
         }
     }
 
@@ -125,8 +125,7 @@ impl App {
     pub(super) fn redo(&mut self) {
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.redo(&self.step_now()) {
-            let label = self.redone_label();
-            self.take_step(step, &label);
+            self.take_step(step, false);
         }
     }
 
@@ -135,13 +134,8 @@ impl App {
         let is_back = count < self.document.history.steps().filter(|step| !step.is_undone).count();
         self.notices.withdraw(Action::Undo);
         if let Some(step) = self.document.history.go_to(count, &self.step_now()) {
-            let label = if is_back { UNDONE.to_owned() } else { self.redone_label() };
-            self.take_step(step, &label);
+            self.take_step(step, is_back);
         }
-    }
-
-    fn redone_label(&self) -> String {
-        self.document.history.undo_label().unwrap_or_default().to_owned()
     }
 
     /// Sets the undo steps from the past of a project, as far back as its logs are the open ones.
@@ -248,15 +242,10 @@ impl App {
 /// Stores the measurement on the map in a project if it is finished; otherwise removes the
 /// measurement of the project.
 pub(super) fn keep_figure(project: &mut Project, figure: Option<&Arc<Figure>>) {
-    match figure.filter(|figure| figure.done) {
-        Some(figure) => {
-            let measurement = figure.measurement.clone();
-            project.measurements.insert(MEASUREMENT, measurement);
-        }
-        None => {
-            project.measurements.remove(&MEASUREMENT);
-        }
-    }
+    project.measurements.remove(&MEASUREMENT);
+    let figure = figure.filter(|figure| figure.done);
+    let measurement = figure.map(|figure| (MEASUREMENT, figure.measurement.clone()));
+    project.measurements.extend(measurement);
 }
 
 /// Returns the measurement of a project as a figure; shares memory with `before` if both are equal.
@@ -293,18 +282,20 @@ fn in_metres(number: &Number, value: f64, units: Units) -> String {
 }
 
 /// Returns the new value of the only setting that differs, as its control writes it, or the name of
-/// the preset that the settings now match; `None` if no setting or several differ.
+/// the preset that the settings now match and did not match before; `None` if no setting or several
+/// differ.
 fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<String> {
     let (was, is) = if !Arc::ptr_eq(&before.shared, &after.shared) {
+        if let Some(preset) = after.shared.matching_preset() {
+            let is_new = before.shared.matching_preset() != Some(preset);
+            return is_new.then(|| preset.name().to_owned());
+        }
         (setting_values(&before.shared), setting_values(&after.shared))
     } else {
         let mut changed = changed_logs(before, after);
         let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
         (was.own.own().clone(), log.own.own().clone())
     };
-    if after.shared.matching_preset().is_some() && !Arc::ptr_eq(&before.shared, &after.shared) {
-        return preset_of(&before.shared, &after.shared);
-    }
     let keys = was.keys().chain(is.keys());
     let mut keys = keys.filter(|key| was.get(*key) != is.get(*key));
     let key = keys.next()?;
@@ -324,11 +315,4 @@ fn value_of_change(before: &UndoStep, after: &UndoStep, units: Units) -> Option<
         }
         _ => None,
     }
-}
-
-/// Returns the name of the preset that the settings now match; `None` if none, or if it matched
-/// before.
-fn preset_of(before: &Settings, after: &Settings) -> Option<String> {
-    let preset = after.matching_preset()?;
-    (before.matching_preset() != Some(preset)).then(|| preset.name().to_owned())
 }

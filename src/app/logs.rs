@@ -38,6 +38,7 @@ pub struct OpenLogs {
     pub(super) others: Vec<OpenLog>,
     /// All open logs, in the order of the list.
     pub(super) order: Vec<LogId>,
+    /// Number of logs that were opened so far.
     last: u64,
     /// Newly opened logs, which `App::set_apart` has not checked yet.
     pub(super) arrived: Vec<LogId>,
@@ -46,11 +47,6 @@ pub struct OpenLogs {
 }
 
 impl OpenLogs {
-    fn next_id(&mut self) -> LogId {
-        self.last += 1;
-        LogId(self.last)
-    }
-
     /// Returns a copy that holds only the drawn parts.
     pub(super) fn for_picture(&self) -> Self {
         Self {
@@ -175,11 +171,6 @@ impl OpenLogs {
         }
     }
 
-    /// Returns the ids of the closed logs that can be opened again.
-    pub(super) fn closed_ids(&self) -> impl Iterator<Item = LogId> {
-        self.closed.iter().map(|log| log.id)
-    }
-
     /// Returns the name of an open log for sentences; empty if there is no such log.
     pub(super) fn name_of(&self, id: LogId) -> String {
         self.get(id).map_or_else(String::new, |log| quoted(&log.name()))
@@ -229,7 +220,7 @@ impl App {
         self.logs.replace_shown(OpenLog { settings, ..OpenLog::default() });
         self.logs.others.clear();
         for id in std::mem::take(&mut self.logs.order) {
-            self.leave_search(id);
+            self.findings.search.leave(id, &mut self.jobs);
         }
         self.forget_steps();
         self.leave_reference();
@@ -237,7 +228,7 @@ impl App {
         self.findings.heights = Default::default();
         self.jobs.stop(&JobKey::ComparePositions);
         self.findings.positions = None;
-        self.number_objects(Default::default());
+        self.objects.renumber(Default::default(), &mut self.jobs);
         self.meet_log();
     }
 
@@ -279,7 +270,8 @@ impl App {
     }
 
     fn opened(&mut self, survey: Arc<Survey>) -> OpenLog {
-        let id = self.logs.next_id();
+        self.logs.last += 1;
+        let id = LogId(self.logs.last);
         self.logs.order.push(id);
         // A closed log that is opened again by its file must not be opened a second time by undo.
         let own = Identity::of(&survey);
@@ -298,8 +290,7 @@ impl App {
 
     /// Shows another of the open logs in waterfall, profile and panels.
     pub(super) fn show_log(&mut self, id: LogId) {
-        let place = self.logs.others.iter().position(|log| log.id == id);
-        let Some(place) = place else {
+        let Some(place) = self.logs.others.iter().position(|log| log.id == id) else {
             return;
         };
         std::mem::swap(&mut self.logs.shown, &mut self.logs.others[place]);
@@ -323,7 +314,7 @@ impl App {
             log.preview = None;
         }
         if id == self.logs.shown.id {
-            self.forget_previews();
+            self.pipeline.previewer.forget(&mut self.jobs);
         }
     }
 
@@ -334,8 +325,8 @@ impl App {
         self.view.selection = None;
         self.view.hover = None;
         self.view.visible = 0..0;
-        self.forget_agreement();
-        self.forget_previews();
+        self.findings.reference_comparison.forget(&mut self.jobs);
+        self.pipeline.previewer.forget(&mut self.jobs);
         self.schedule();
     }
 
@@ -359,7 +350,7 @@ impl App {
         }
         self.keep_closed(id);
         self.jobs.stop_log(id);
-        self.leave_search(id);
+        self.findings.search.leave(id, &mut self.jobs);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|listed| *listed == id) else {
             return;
@@ -377,9 +368,8 @@ impl App {
                 self.meet_log();
             }
         }
-        let closed = self.logs.others.iter().position(|log| log.id == id);
-        if let Some(closed) = closed {
-            let closed = self.logs.others.remove(closed);
+        if let Some(place) = self.logs.others.iter().position(|log| log.id == id) {
+            let closed = self.logs.others.remove(place);
             self.logs.close(closed);
         }
         self.logs.name_all();
@@ -447,6 +437,6 @@ impl App {
     /// Shows a log, if it is not shown yet, and a place of it in all views.
     pub(super) fn reveal_in(&mut self, id: LogId, mark: LogPlace) {
         self.show_log(id);
-        self.reveal(mark);
+        self.view.reveal(mark);
     }
 }

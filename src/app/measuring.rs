@@ -16,7 +16,7 @@ use bathyscope_products::export::{self, MeasuredFigure};
 use bathyscope_products::pipeline::{DepthMap, ObjectLocator, Products};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 const NO_PLACE: &str =
@@ -401,23 +401,18 @@ impl App {
         if self.refuses_log(self.logs.shown.id, &path) {
             return;
         }
-        let written = self.write_figure(&figure, &path);
-        let written = written.map(|()| format!("Wrote the measurement to {}", path.display()));
-        self.notices.tell(written);
-    }
-
-    fn write_figure(&self, figure: &MeasuredFigure, path: &Path) -> Result<(), AppError> {
-        let ending = path.extension().unwrap_or_default().to_string_lossy();
-        let written = match ending.to_lowercase().as_str() {
-            "geojson" | "json" => export::figure_geojson(path, figure),
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let written = match ending.as_str() {
+            "geojson" | "json" => export::figure_geojson(&path, &figure),
             // The depths along a profile are more useful than its corners.
             "csv" => match self.profile_csv() {
-                Some(text) => export::write_bytes(path, text),
-                None => export::figure_csv(path, figure),
+                Some(text) => export::write_bytes(&path, text),
+                None => export::figure_csv(&path, &figure),
             },
-            _ => return Err(AppError::FigureFormat(path.to_owned())),
+            _ => return self.notices.warn(AppError::FigureFormat(path)),
         };
-        Ok(written?)
+        let written = written.map(|()| format!("Wrote the measurement to {}", path.display()));
+        self.notices.tell(written);
     }
 
     /// Turns the cut of the 3D view along the line of the profile on or off.

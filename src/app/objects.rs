@@ -3,7 +3,7 @@
 //! A background job makes the list again when a box, a position, the confidence or the logs change.
 //! An object keeps its number while its boxes are decided, moved or hidden.
 
-use super::jobs::{JobKey, Kept};
+use super::jobs::{JobKey, JobQueue, Kept};
 use super::reviewing::{Entries, LocatedObject};
 use super::{App, ObjectTable, OpenLog, OpenLogs};
 use bathyscope_log::support::progress::Progress;
@@ -53,20 +53,9 @@ impl LogBoxes {
     }
 }
 
-fn list_of(logs: &[LogBoxes], before: &ObjectNumbers) -> ObjectList {
-    let boxes = (logs.iter().enumerate()).flat_map(|(log, boxes)| boxes.boxes(log));
-    let pass_logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
-    ObjectList::join(boxes.collect(), &pass_logs, before)
-}
-
-/// The object whose passes are counted, and the logs of these passes.
-#[derive(Clone, PartialEq)]
-struct PassesOf {
-    number: u32,
-    boxes: Vec<LogBox>,
-    place_m: [f64; 2],
-    logs: Vec<(LogId, Same<Navigation>)>,
-}
+/// The object whose passes are counted, with its boxes and its position in metres, and the logs of
+/// these passes.
+type PassesOf = (u32, Vec<LogBox>, [f64; 2], Vec<(LogId, Same<Navigation>)>);
 
 /// The boxes of an object with their positions, to which its shape is fitted.
 type ShapeOf = Vec<(LogBox, Same<LocatedObject>)>;
@@ -118,6 +107,15 @@ impl Objects {
         self.list.result()?.object_of(id)
     }
 
+    /// Drops all objects, and sets the numbers of a project, which its objects keep.
+    pub(super) fn renumber(&mut self, first: ObjectNumbers, jobs: &mut JobQueue) {
+        use JobKey::{CountPasses, FitShape, JoinObjects, ListObjects};
+        for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
+            jobs.stop(&key);
+        }
+        *self = Self { first: Arc::new(first), ..Self::default() };
+    }
+
     /// Returns the present numbers of the objects.
     pub(super) fn numbers(&self) -> &ObjectNumbers {
         let list = self.list.result();
@@ -142,15 +140,6 @@ impl OpenLogs {
 }
 
 impl App {
-    /// Drops all objects, and sets the numbers of a project, which its objects keep.
-    pub(super) fn number_objects(&mut self, first: ObjectNumbers) {
-        use JobKey::{CountPasses, FitShape, JoinObjects, ListObjects};
-        for key in [JoinObjects, CountPasses, FitShape, ListObjects] {
-            self.jobs.stop(&key);
-        }
-        self.objects = Objects { first: Arc::new(first), ..Objects::default() };
-    }
-
     /// Returns the decisions about the boxes of each of [`OpenLogs::processed`], and the present
     /// numbers of the objects.
     pub(super) fn survey_review(&self) -> SurveyReview {
@@ -208,7 +197,9 @@ impl App {
         let key = logs.clone();
         let work = move |_: &Progress| {
             let before = before.as_ref().map_or(&*first, |list| &list.numbers);
-            Some(Arc::new(list_of(&of, before)))
+            let boxes = (of.iter().enumerate()).flat_map(|(log, boxes)| boxes.boxes(log));
+            let pass_logs: Vec<PassLog<'_>> = of.iter().map(LogBoxes::pass_log).collect();
+            Some(Arc::new(ObjectList::join(boxes.collect(), &pass_logs, before)))
         };
         self.keep(JobKey::JoinObjects, key, work, |app| Some(&mut app.objects.list));
         self.list_objects();
@@ -260,12 +251,8 @@ impl App {
         let (number, list) = (object.number, self.objects.list.result().cloned());
         let track =
             |log_boxes: &LogBoxes| (log_boxes.review.log, Same(log_boxes.navigation.clone()));
-        let of = PassesOf {
-            number,
-            boxes: object.boxes.clone(),
-            place_m: object.place_m,
-            logs: logs.iter().map(track).collect(),
-        };
+        let tracks = logs.iter().map(track).collect();
+        let of: PassesOf = (number, object.boxes.clone(), object.place_m, tracks);
         let work = move |_: &Progress| {
             let logs: Vec<PassLog<'_>> = logs.iter().map(LogBoxes::pass_log).collect();
             Some((number, list?.object(number)?.passes(&logs)))

@@ -4,9 +4,9 @@
 use super::Figures;
 use super::calibrating::Calibrating;
 use super::exclusions::{ExclusionKey, FoundExclusions};
-use super::external::External;
 use super::jobs::Kept;
 use super::reviewing::Reviewing;
+use super::source::External;
 use bathyscope_bottom::first_return::FirstReturns;
 use bathyscope_log::survey::{Apart, Survey};
 use bathyscope_objects::objects::{LogId, LogReview};
@@ -37,6 +37,7 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 
 /// A log with its settings, its results and its boxes. The default value is used in an empty
 /// window.
+#[derive(Default)]
 pub struct OpenLog {
     /// Identifier of the log.
     pub id: LogId,
@@ -86,39 +87,11 @@ pub struct OpenLog {
     pub(super) calibrating: Calibrating,
 }
 
-impl Default for OpenLog {
-    fn default() -> Self {
-        Self {
-            id: LogId::default(),
-            name: String::new(),
-            survey: None,
-            as_read: None,
-            source: SourceKey::default(),
-            colour: log_colour(0),
-            is_visible: true,
-            apart: None,
-            depth_span_m: None,
-            is_demo: false,
-            file: None,
-            kept_alone: None,
-            own: Arc::default(),
-            settings: Arc::default(),
-            products: None,
-            whole: None,
-            preview: None,
-            figures: None,
-            external: External::default(),
-            reviewing: Reviewing::default(),
-            found_exclusions: Kept::default(),
-            calibrating: Calibrating::default(),
-        }
-    }
-}
-
 impl OpenLog {
     /// Creates a log from a recording, without results.
     pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
-        let mut log = Self { id, name: survey.name(), settings, ..Self::default() };
+        let name = survey.name();
+        let mut log = Self { id, name, settings, is_visible: true, ..Self::default() };
         log.replace_survey(survey);
         log
     }

@@ -4,12 +4,12 @@
 use super::error::AppError;
 use super::jobs::JobKey;
 use super::project::OpenedLogs;
-use super::untitled::{FoundDecisions, ReadDecisions, find_decisions};
-use super::{Action, App, LogId};
+use super::untitled::{OpenedPath, ReadDecisions, find_decisions};
+use super::{Action, App, LogId, OpenLog};
 use bathyscope_log::formats;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_log::survey::{Apart, Identity, Survey, apart};
+use bathyscope_log::survey::{Identity, Survey, apart};
 use bathyscope_products::project::read_bottom;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -79,18 +79,6 @@ impl OpenRequest {
     }
 }
 
-/// Contents of a path that was opened.
-enum OpenedPath {
-    /// A log, with the last decisions about it.
-    Log(Box<Survey>, ReadDecisions),
-    /// The untitled project of the requested logs.
-    Project(Box<OpenedLogs>),
-    /// A folder of several logs.
-    Folder(Vec<PathBuf>),
-    /// The name of a recording that is already open.
-    Known(String),
-}
-
 /// Opens a path; `open` are the logs that are open already, and `others` the logs that are opened
 /// after it, or `None` if it joins the open logs.
 fn read_path(
@@ -111,21 +99,18 @@ fn read_path(
         return Ok(OpenedPath::Known(known.name()));
     }
     survey.check_files().map_err(formats::OpenError::from)?;
-    let found = match (origin, untitled) {
-        (LogOrigin::Demo, _) | (_, None) => {
-            FoundDecisions::Log(Box::new(survey), ReadDecisions::None)
-        }
+    let opened = match (origin, untitled) {
+        (LogOrigin::Demo, _) | (_, None) => OpenedPath::Log(Box::new(survey), ReadDecisions::None),
         (LogOrigin::Path(_), Some(folder)) => find_decisions(folder, survey, others, progress)?,
     };
-    Ok(match found {
-        FoundDecisions::Project(opened) => OpenedPath::Project(opened),
-        FoundDecisions::Log(survey, ReadDecisions::None) => {
+    Ok(match opened {
+        OpenedPath::Log(survey, ReadDecisions::None) => {
             let log = survey.source.files.first();
             let bottom = log.and_then(|log| read_bottom(log, &survey));
             let decisions = bottom.map_or(ReadDecisions::None, ReadDecisions::Sidecar);
             OpenedPath::Log(survey, decisions)
         }
-        FoundDecisions::Log(survey, decisions) => OpenedPath::Log(survey, decisions),
+        opened => opened,
     })
 }
 
@@ -145,18 +130,16 @@ impl App {
         let Some(request) = self.files.to_load.pop_front() else {
             return self.set_apart();
         };
-        let open = match request.place {
+        let (open, others): (Vec<Arc<Survey>>, Option<Vec<PathBuf>>) = match request.place {
             // A log that replaces the open ones is read again, even if it is open.
-            OpenMode::Instead => Vec::new(),
+            OpenMode::Instead => {
+                let others = self.files.to_load.iter().filter_map(OpenRequest::path);
+                (Vec::new(), Some(others.map(Path::to_owned).collect()))
+            }
             OpenMode::Added { .. } => {
-                self.logs.all().filter_map(|log| log.survey.clone()).collect()
+                (self.logs.all().filter_map(|log| log.survey.clone()).collect(), None)
             }
         };
-        let others = match request.place {
-            OpenMode::Instead => Some(self.files.to_load.iter().filter_map(OpenRequest::path)),
-            OpenMode::Added { .. } => None,
-        };
-        let others = others.map(|paths| paths.map(Path::to_owned).collect::<Vec<_>>());
         let untitled = self.files.untitled_folder.clone();
         let origin = request.origin.clone();
         let name = origin.name();
@@ -257,10 +240,8 @@ impl App {
     /// Opens the untitled project of the requested logs in place of these.
     fn take_untitled(&mut self, origin: LogOrigin, opened: OpenedLogs) {
         let requests = std::mem::take(&mut self.files.to_load);
-        let rest: Vec<PathBuf> =
-            requests.iter().rev().filter_map(OpenRequest::path).map(Path::to_owned).collect();
-        for path in rest {
-            self.remember(path);
+        for path in requests.iter().rev().filter_map(OpenRequest::path) {
+            self.remember(path.to_owned());
         }
         if let LogOrigin::Path(path) = origin {
             self.remember(path);
@@ -291,23 +272,15 @@ impl App {
     /// them.
     pub(super) fn set_apart(&mut self) {
         let arrived = std::mem::take(&mut self.logs.arrived);
-        let logs: Vec<(LogId, bool, &Survey)> = self
-            .logs
-            .visible()
-            .filter_map(|log| {
-                let survey = log.survey.as_deref()?;
-                Some((log.id, !arrived.contains(&log.id), survey))
-            })
-            .collect();
-        let known: Vec<bool> = logs.iter().map(|(_, known, _)| *known).collect();
-        let surveys: Vec<&Survey> = logs.iter().map(|(.., survey)| *survey).collect();
-        let why = apart(&surveys, &known);
-        let found: Vec<(LogId, Option<Apart>)> = (logs.iter().zip(why))
-            .filter(|((_, known, _), _)| !known)
-            .map(|((id, ..), why)| (*id, why))
-            .collect();
+        let read = |log: &OpenLog| Some((log.id, log.survey.clone()?));
+        let (ids, surveys): (Vec<LogId>, Vec<Arc<Survey>>) =
+            self.logs.visible().filter_map(read).unzip();
+        let known: Vec<bool> = ids.iter().map(|id| !arrived.contains(id)).collect();
+        let surveys: Vec<&Survey> = surveys.iter().map(|survey| &**survey).collect();
+        let why = ids.iter().zip(&known).zip(apart(&surveys, &known));
+        let why = why.filter_map(|((id, known), why)| Some((*id, why.filter(|_| !known)?)));
         let mut names = Vec::new();
-        for (id, why) in found.iter().filter_map(|(id, why)| Some((*id, (*why)?))) {
+        for (id, why) in why {
             if let Some(log) = self.logs.get_mut(id) {
                 log.is_visible = false;
                 log.apart = Some(why);

@@ -134,6 +134,13 @@ impl Previewer {
         }
     }
 
+    /// Drops the first returns that are searched ahead of the pipeline, and what was measured for
+    /// them.
+    pub(super) fn forget(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::Preview);
+        *self = Self::default();
+    }
+
     fn start(&mut self, request: PreviewRequest, jobs: &mut JobQueue, requested: bool) {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
@@ -235,12 +242,17 @@ impl App {
         );
     }
 
-    /// Sets new results of a log.
+    /// Sets new results of a log; notifies the analyst of depths that a change of scale changed.
     pub(super) fn take_products(&mut self, id: LogId, products: Products) {
         let Some(log) = self.logs.get_mut(id) else {
             return;
         };
-        let sentence = log.take_products(products);
+        log.preview = None;
+        let sentence = log.calibrating.said_of_change(&products);
+        if let Some(survey) = &log.survey {
+            log.reviewing.follow(survey, &products.navigation);
+        }
+        log.products = Some(products);
         let counted = log.settled();
         if let Some(log) = counted {
             self.count_figures(id, log);
@@ -293,18 +305,11 @@ impl App {
     pub(super) fn cancel(&mut self) {
         self.pipeline.is_waiting = true;
         self.stop_detecting();
-        self.stop_comparing();
+        self.findings.reference_comparison.stop(&mut self.jobs);
         self.jobs.stop_requested();
-        self.forget_previews();
+        self.pipeline.previewer.forget(&mut self.jobs);
         self.logs.shown.preview = None;
         self.files.to_load.clear();
-    }
-
-    /// Drops the first returns that are searched ahead of the pipeline, and what was measured for
-    /// them.
-    pub(super) fn forget_previews(&mut self) {
-        self.jobs.stop(&JobKey::Preview);
-        self.pipeline.previewer = Default::default();
     }
 
     /// Returns true if a path is a file of the log, which is never overwritten, and then warns the
@@ -335,20 +340,6 @@ impl App {
         if let Some(request) = self.pipeline.previewer.queued.take() {
             self.pipeline.previewer.start(request, &mut self.jobs, true);
         }
-    }
-}
-
-impl OpenLog {
-    /// Sets new results; returns a sentence about the depths if they are the results of a change of
-    /// scale.
-    fn take_products(&mut self, products: Products) -> Option<String> {
-        self.preview = None;
-        let sentence = self.calibrating.said_of_change(&products);
-        if let Some(survey) = self.survey.clone() {
-            self.reviewing.follow(&survey, &products.navigation);
-        }
-        self.products = Some(products);
-        sentence
     }
 }
 

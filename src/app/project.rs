@@ -77,16 +77,14 @@ impl OpenLogs {
 impl ProjectSaving {
     /// Returns the file of the open project; `None` if it is untitled.
     pub fn path(&self) -> Option<&Path> {
-        let saving = self;
-        saving.store.as_ref().filter(|_| !saving.is_untitled).map(Store::path)
+        self.store.as_ref().filter(|_| !self.is_untitled).map(Store::path)
     }
 
     /// Returns true if there are changes that the file which the analyst named does not contain;
     /// they are in the journal beside it, or in an untitled project.
     pub fn is_unsaved(&self) -> bool {
-        let saving = self;
-        let store = saving.store.as_ref();
-        store.is_some_and(|store| saving.is_untitled || store.is_unsaved(&saving.project))
+        let store = self.store.as_ref();
+        store.is_some_and(|store| self.is_untitled || store.is_unsaved(&self.project))
     }
 }
 
@@ -241,7 +239,7 @@ impl App {
         self.wait_for(&JobKey::CreateProject);
         self.keep_project("close");
         self.finish_writing();
-        self.save_untitled();
+        self.files.project_saving.save_untitled(&mut self.notices);
     }
 
     /// Closes the project, before logs that do not belong to it are opened.
@@ -261,10 +259,10 @@ impl App {
         project.settings = Settings::clone(&self.document.shared);
         let is_placed = self.logs.all().any(OpenLog::is_placed);
         project.origin = is_placed.then(|| self.document.plane.origin());
-        let open: Vec<&OpenLog> = self.logs.all().filter(|log| log.file.is_some()).collect();
+        let open = self.logs.all().filter_map(|log| Some((log, log.file.as_ref()?)));
+        let open: Vec<(&OpenLog, &LogFile)> = open.collect();
         let is_open = |log: &ProjectLog| {
-            let mut files = open.iter().filter_map(|open| open.file.as_ref());
-            files.any(|file| file.sha256 == log.file.sha256)
+            open.iter().any(|(_, file)| file.sha256 == log.file.sha256)
                 || self.files.missing.contains(&log.key)
         };
         let gone: Vec<_> = (project.logs().iter())
@@ -274,9 +272,7 @@ impl App {
         for key in gone {
             project = project.without_log(&key).unwrap_or(project);
         }
-        for (place, (log, file)) in
-            open.iter().filter_map(|log| Some((log, log.file.as_ref()?))).enumerate()
-        {
+        for (place, (log, file)) in open.into_iter().enumerate() {
             let known = project.log_like(file).cloned();
             let is_new = known.is_none();
             let mut entry = known
@@ -294,14 +290,9 @@ impl App {
             project = project.with_log_at(&key, place).unwrap_or(project);
         }
         keep_figure(&mut project, self.map.measuring.figure.as_ref());
-        match &self.map.base_map {
-            Some(map) => {
-                project.files.insert(BASE_MAP.to_owned(), map.path.clone());
-            }
-            None => {
-                project.files.remove(BASE_MAP);
-            }
-        }
+        project.files.remove(BASE_MAP);
+        let base_map = self.map.base_map.as_ref();
+        project.files.extend(base_map.map(|map| (BASE_MAP.to_owned(), map.path.clone())));
         project.set_view(VIEW, &self.view.options);
         let Queue { sort, threshold, .. } = self.logs.shown.reviewing.queue;
         project.set_view(REVIEW_VIEW, &KeptQueue { sort, threshold });
@@ -391,7 +382,7 @@ impl App {
             numbers.add_log(id, log.object_numbers.clone());
             self.take_project_log(id, &log, settings);
         }
-        self.number_objects(numbers);
+        self.objects.renumber(numbers, &mut self.jobs);
         if let Some(KeptQueue { sort, threshold }) = queue
             && (0.0..=1.0).contains(&threshold)
         {

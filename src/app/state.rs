@@ -1,18 +1,15 @@
 //! Holds the state of the window for reading; commands change it in `apply`, the answers of work in
 //! the background through `jobs`.
 
-use super::card_search::CardSearch;
 use super::comparing::{Comparing, ReferenceComparison};
 use super::crossings::{FoundPositions, Heights};
 use super::deriving::Deriving;
 use super::exporting::Exported;
-use super::file_watch::FileWatch;
 use super::following::Following;
 use super::history::UndoStep;
 use super::jobs::{JobKey, JobQueue};
 use super::logs::OpenLogs;
 use super::measuring::Measuring;
-use super::mounting::Mountings;
 use super::notices::Notices;
 use super::objects::Objects;
 use super::opening::OpenRequest;
@@ -21,10 +18,11 @@ use super::planning::Planning;
 use super::processing::{Previewer, ProcessRequest};
 use super::project::ProjectSaving;
 use super::reviewing::ObjectSearch;
+use super::source::Mountings;
+use super::watching::{CardSearch, FileWatch};
 use super::{Jobs, LogPlace, Reveal, ViewOptions};
 use bathyscope_log::formats::base_map::BaseMap;
 use bathyscope_log::support::geo::LocalFrame;
-use bathyscope_log::survey::Track;
 use bathyscope_products::pipeline::{Settings, Stage};
 use bathyscope_products::project::{History, LogKey};
 use std::collections::VecDeque;
@@ -33,6 +31,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// State of the open survey as a whole, whichever log is shown.
+#[derive(Default)]
 pub struct Document {
     /// The settings from which a new survey starts: the preset, or the settings that the program
     /// was started with.
@@ -48,19 +47,6 @@ pub struct Document {
     pub mountings: Arc<Mountings>,
     /// Steps that undo goes back to.
     pub history: History<UndoStep>,
-}
-
-impl Default for Document {
-    fn default() -> Self {
-        Self {
-            start: Arc::default(),
-            shared: Arc::default(),
-            plane: Track::default().frame,
-            is_plane_moved: false,
-            mountings: Arc::default(),
-            history: History::default(),
-        }
-    }
 }
 
 /// State of the pipeline.
@@ -127,6 +113,15 @@ pub struct ViewState {
     pub options: ViewOptions,
     /// True if only a picture is drawn from this state: views then draw no buttons.
     pub is_picture: bool,
+}
+
+impl ViewState {
+    /// Selects a place, and requests that the views show it.
+    pub(super) fn reveal(&mut self, mark: LogPlace) {
+        let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
+        self.selection = Some(mark);
+        self.reveal = Some(Reveal { mark, serial, close_up: None });
+    }
 }
 
 /// Base map, reference, measurement and planned lines that the analyst adds to the map.

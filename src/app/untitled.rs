@@ -8,9 +8,9 @@
 
 use super::error::AppError;
 use super::jobs::JobKey;
-use super::project::{KnownLog, OpenedLogs, read};
+use super::project::{KnownLog, OpenedLogs, ProjectSaving, read};
 use super::reviewing::REVIEW_SUFFIX;
-use super::{Action, App, LogId, OpenLog};
+use super::{Action, App, LogId, Notices, OpenLog};
 use bathyscope_bottom::first_return::BottomSettings;
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
@@ -30,12 +30,16 @@ use std::time::SystemTime;
 /// Name of the undo step that takes decisions from an untitled project.
 const TAKEN: &str = "last decisions about the log";
 
-/// A log with the decisions about it when it was last open.
-pub(super) enum FoundDecisions {
+/// Contents of a path that was opened.
+pub(super) enum OpenedPath {
+    /// A log, with the decisions about it when it was last open.
+    Log(Box<Survey>, ReadDecisions),
     /// The untitled project of exactly the requested logs, which are opened with it.
     Project(Box<OpenedLogs>),
-    /// The log and the decisions about it.
-    Log(Box<Survey>, ReadDecisions),
+    /// A folder of several logs.
+    Folder(Vec<PathBuf>),
+    /// The name of a recording that is already open.
+    Known(String),
 }
 
 /// Decisions about a log from when it was last open.
@@ -71,13 +75,13 @@ pub(super) fn find_decisions(
     mut survey: Survey,
     others: Option<&[PathBuf]>,
     progress: &Progress,
-) -> Result<FoundDecisions, AppError> {
+) -> Result<OpenedPath, AppError> {
     let found = find_untitled(folder, &survey, others.unwrap_or_default(), progress)?;
     let Some(found) = found else {
-        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::None));
+        return Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::None));
     };
     if let Some(named) = found.named() {
-        return Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
+        return Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::Named(named.clone())));
     }
     let UntitledProject { path, mut project, log, changed_at, is_whole } = found;
     let note = newer_review(&log, &survey, changed_at);
@@ -91,7 +95,7 @@ pub(super) fn find_decisions(
             opened.notes.extend(note);
             // The named project does not exist any more.
             opened.opened.project.files.remove(NAMED);
-            return Ok(FoundDecisions::Project(Box::new(opened)));
+            return Ok(OpenedPath::Project(Box::new(opened)));
         }
         progress.check()?;
         survey = known.ok_or(AppError::OtherLog)?.survey;
@@ -110,7 +114,7 @@ pub(super) fn find_decisions(
     });
     let settings = settings.map_err(AppError::from);
     let decisions = LogDecisions { log, shared: project.settings, settings, notes };
-    Ok(FoundDecisions::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
+    Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
 }
 
 /// Returns a notice about a review beside a log that was written after the decisions in a project
@@ -128,21 +132,35 @@ fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Op
     })
 }
 
-impl App {
-    /// Saves a decision: in the journal of the project. The first decision begins an untitled
-    /// project, which contains it as soon as the logs are hashed.
-    pub(super) fn keep_decision(&mut self, label: &str) {
-        if self.files.project_saving.store.is_some() {
-            self.keep_project(label);
-        } else {
-            self.files.project_saving.is_closed = false;
-            self.begin_untitled();
+impl ProjectSaving {
+    /// Writes the changes of an untitled project into its file, or removes it if all its logs were
+    /// closed.
+    pub(super) fn save_untitled(&mut self, notices: &mut Notices) {
+        let Some(store) = self.store.as_mut().filter(|_| self.is_untitled) else {
+            return;
+        };
+        if self.project.logs().is_empty() {
+            if let Some(store) = self.store.take() {
+                store.remove();
+            }
+        } else if store.is_unsaved(&self.project)
+            && let Err(error) = store.save(&self.project)
+        {
+            // The changes are in the journal.
+            notices.warn(error);
         }
     }
+}
 
-    /// Starts to create an untitled project of the open logs, unless that is impossible or under
-    /// way.
-    fn begin_untitled(&mut self) {
+impl App {
+    /// Saves a decision: in the journal of the project. The first decision begins an untitled
+    /// project, unless that is impossible or under way, which contains it as soon as the logs are
+    /// hashed.
+    pub(super) fn keep_decision(&mut self, label: &str) {
+        if self.files.project_saving.store.is_some() {
+            return self.keep_project(label);
+        }
+        self.files.project_saving.is_closed = false;
         let Some(folder) = self.files.untitled_folder.clone() else {
             return;
         };
@@ -218,25 +236,6 @@ impl App {
         let mut logs = self.logs.all().filter(|log| !is_saved || !log.is_file());
         let is_box_at_risk = logs.any(|log| log.reviewing.is_unsaved());
         is_box_at_risk || is_refused && self.document.history.steps().next().is_some()
-    }
-
-    /// Writes the changes of an untitled project into its file, or removes it if all its logs were
-    /// closed.
-    pub(super) fn save_untitled(&mut self) {
-        let saving = &mut self.files.project_saving;
-        let Some(store) = saving.store.as_mut().filter(|_| saving.is_untitled) else {
-            return;
-        };
-        if saving.project.logs().is_empty() {
-            if let Some(store) = saving.store.take() {
-                store.remove();
-            }
-        } else if store.is_unsaved(&saving.project)
-            && let Err(error) = store.save(&saving.project)
-        {
-            // The changes are in the journal.
-            self.notices.warn(error);
-        }
     }
 
     /// Notifies the analyst of where the decisions about a survey are that is being closed.
@@ -342,7 +341,7 @@ impl App {
             if is_first {
                 let mut numbers = ObjectNumbers::default();
                 numbers.add_log(id, log.object_numbers.clone());
-                app.number_objects(numbers);
+                app.objects.renumber(numbers, &mut app.jobs);
             }
             app.take_project_log(id, &log, settings);
         });

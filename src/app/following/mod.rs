@@ -2,15 +2,14 @@
 //! stay, and from time to time all results are computed again from the whole log, so that at the
 //! end they are those of the finished file.
 //!
-//! `step` reads new bytes in a background thread, `scale` keeps the scale in force, `whole` decides
-//! when all results are computed again, and shows results. The results of new pings are
-//! provisional: they use the calibration of the last run over the whole log
+//! `step` reads new bytes in a background thread, `whole` decides when all results are computed
+//! again, shows results, and keeps the scale in force. The results of new pings are provisional:
+//! they use the calibration of the last run over the whole log
 //! ([`bathyscope_products::pipeline::extend`]). That run is repeated whenever the log has grown by
 //! a quarter, so the work for each ping does not grow with the log. If objects were searched for,
 //! new pings are searched too. The log is only ever read, as a private copy
 //! ([`bathyscope_log::formats::GrowingLog`]).
 
-mod scale;
 mod step;
 mod whole;
 
@@ -19,7 +18,6 @@ use super::jobs::JobKey;
 use super::{App, LogId, OpenLog};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_bottom::presentation::text::count;
-use bathyscope_log::support::printable::quoted;
 use bathyscope_log::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -224,7 +222,11 @@ impl App {
         };
         if survey.is_some_and(|survey| survey.track.external.is_some()) {
             self.stop_steps();
-            return self.leave_following(active.log);
+            let name = self.logs.name_of(active.log);
+            let text =
+                format!("{name} is no longer followed: its track is that of another receiver now");
+            self.notices.warn(text);
+            return self.leave_provisional(active.log);
         }
         self.hold_scale(&mut active);
         let is_done = active.ends.is_some() && self.finish(&mut active);
@@ -247,7 +249,7 @@ impl App {
                 if let Some(log) = self.logs.get_mut(active.log) {
                     log.leave_map(&bytes);
                 }
-                self.forget_previews();
+                self.pipeline.previewer.forget(&mut self.jobs);
                 active.tools = Some(tools);
             }
             Err(error) => {
@@ -378,19 +380,6 @@ impl App {
                 });
             },
         );
-    }
-
-    /// Ends following a log that now has the track of another receiver; its present pings are
-    /// processed as they are.
-    fn leave_following(&mut self, id: LogId) {
-        if let Some(log) = self.logs.get_mut(id) {
-            log.leave_provisional();
-            let name = quoted(&log.name());
-            let text =
-                format!("{name} is no longer followed: its track is that of another receiver now");
-            self.notices.warn(text);
-        }
-        self.process();
     }
 
     /// Ends following a log, and notifies the analyst of the reason; the pings that were read stay.

@@ -1,20 +1,27 @@
 //! Computes all results from the whole log again, replaces the shown log by a longer state of it
-//! with the decisions about it, and ends following.
+//! with the decisions about it, and ends following. Meanwhile the scale in force stays until the
+//! analyst chooses another one, and changes of depth are reported.
 
-use super::scale::drift;
 use super::step::{self, FollowedLog};
-use super::{Active, App, BETWEEN_WHOLE, End, QUIET, STEPS, WHOLE_AGAIN};
+use super::{Active, BETWEEN_WHOLE, End, QUIET, STEPS, WHOLE_AGAIN};
 use crate::app::error::AppError;
 use crate::app::jobs::JobKey;
-use crate::app::{LogId, OpenLog};
+use crate::app::{Action, App, LogId, OpenLog};
+use bathyscope_bottom::calibration::{Calibration, PingRange, ScaleMode};
 use bathyscope_bottom::picture::PictureSettings;
 use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::formats::{GrowingError, GrowingLog};
 use bathyscope_log::support::printable::quoted;
 use bathyscope_log::support::progress::Progress;
-use bathyscope_log::survey::Identity;
-use bathyscope_products::pipeline::{LogSettings, Settings};
+use bathyscope_log::survey::{Identity, Side, Survey};
+use bathyscope_products::pipeline::{LogSettings, Products, Settings};
 use std::sync::Arc;
+use toml::Value;
+
+/// Key of the setting of the stretch that the scale is measured on.
+const STRETCH: &str = "calibration.pings";
+/// Least change of a depth by a scale that counts as a change, metres.
+const SAME_M: f64 = 0.01;
 
 impl App {
     /// Starts computing results from the whole log if it has grown by enough, has stopped growing,
@@ -41,9 +48,11 @@ impl App {
     }
 
     /// Starts processing the present pings of a log whose results are provisional.
-    fn leave_provisional(&mut self, id: LogId) {
-        if let Some(log) = self.logs.get_mut(id) {
-            log.leave_provisional();
+    pub(super) fn leave_provisional(&mut self, id: LogId) {
+        if let Some(log) = self.logs.get_mut(id)
+            && log.whole.take().is_some()
+        {
+            log.products = None;
         }
         self.process();
     }
@@ -195,16 +204,60 @@ impl App {
         log.reviewing.carry(identity.clone());
         self.map.measuring.carry(&survey, &identity);
     }
-}
 
-impl OpenLog {
-    /// Drops provisional results, so that the log is processed as it is.
-    pub(super) fn leave_provisional(&mut self) {
-        if self.whole.take().is_some() {
-            self.products = None;
+    /// Keeps the stretch that the scale of a followed log is measured on, because the best-ranked
+    /// stretch of a longer log is often another one.
+    pub(super) fn hold_scale(&mut self, active: &mut Active) {
+        let Some(log) = self.logs.get(active.log) else {
+            return;
+        };
+        let calibration = &log.settings.calibration;
+        if calibration.mode != ScaleMode::FlatSpot {
+            active.stretch = None;
+            return;
+        }
+        if calibration.pings.is_some() {
+            active.stretch = calibration.pings;
+            return;
+        }
+        // Undo may restore settings that name no stretch.
+        let in_use = || {
+            let products = log.products.as_ref()?;
+            let is_current = products.settings.calibration == *calibration;
+            let made = &products.calibration;
+            let is_measured = is_current && made.mode == ScaleMode::FlatSpot;
+            let spot = made.flat_spot.as_ref().filter(|_| is_measured)?;
+            Some(spot.range())
+        };
+        if let Some(pings) = active.stretch.or_else(in_use) {
+            active.stretch = Some(pings);
+            if let Some(log) = self.logs.get_mut(active.log) {
+                log.name_stretch(pings);
+            }
+            self.keep_project("flat stretch");
         }
     }
 
+    /// Offers the best-ranked stretch of a log that has grown if its scale differs from the scale
+    /// in force, and withdraws the offer for a shorter state of the log.
+    fn offer_flatter(&mut self, id: LogId) {
+        let Some(log) = self.logs.get_mut(id) else {
+            return;
+        };
+        let found = log.products.as_ref().and_then(flatter);
+        let offered = found.as_ref().map(|(pings, _)| *pings);
+        if log.calibrating.offered == offered {
+            return;
+        }
+        log.calibrating.offered = offered;
+        self.notices.withdraw(Action::UseFlatterStretch);
+        if let Some((_, text)) = found {
+            self.notices.offer(text, Action::UseFlatterStretch);
+        }
+    }
+}
+
+impl OpenLog {
     /// Assigns the log's own settings to its present state.
     pub(in crate::app) fn carry_own(&mut self, shared: &Settings) {
         let survey = self.survey.as_ref();
@@ -213,6 +266,24 @@ impl OpenLog {
         {
             self.own = Arc::new(own);
             self.settings = Arc::new(settings);
+        }
+    }
+
+    /// Writes the stretch that the scale is measured on into the log's own settings. Results that
+    /// used this stretch as the best-ranked one stay.
+    fn name_stretch(&mut self, pings: PingRange) {
+        Arc::make_mut(&mut self.own).set(STRETCH, Value::String(pings.into()));
+        let name = |settings: &mut Arc<Settings>| {
+            Arc::make_mut(settings).calibration.pings = Some(pings);
+        };
+        name(&mut self.settings);
+        let whole = self.whole.as_mut().map(|whole| &mut whole.products);
+        for products in self.products.as_mut().into_iter().chain(whole) {
+            let made = &products.calibration;
+            let spot = made.flat_spot.as_ref().filter(|_| made.mode == ScaleMode::FlatSpot);
+            if spot.is_some_and(|spot| spot.range() == pings) {
+                name(&mut products.settings);
+            }
         }
     }
 }
@@ -225,4 +296,54 @@ fn bare(settings: &Settings) -> Settings {
     bare.excluded.log = None;
     bare.picture = PictureSettings::default();
     bare
+}
+
+/// Returns the best-ranked stretch, and a sentence about its effect; `None` if it is the stretch in
+/// force, or gives the same depths.
+fn flatter(products: &Products) -> Option<(PingRange, String)> {
+    let made = &products.calibration;
+    let used = made.flat_spot.as_ref();
+    let used = used.filter(|_| made.mode == ScaleMode::FlatSpot)?;
+    let best = products.flat_spots.first()?;
+    let (now, then) = used.factor.zip(best.factor)?;
+    let change_m = used.depth_m * (then / now - 1.0);
+    let is_other = best.pings != used.pings && change_m.abs() >= SAME_M;
+    is_other.then(|| {
+        let text = format!(
+            "A flatter stretch was found, pings {} to {}: ranges ×{then:.3} instead of ×{now:.3}; depths change by about {:+.0} cm",
+            best.pings.start,
+            best.pings.end - 1,
+            100.0 * change_m
+        );
+        (best.range(), text)
+    })
+}
+
+/// Returns a sentence about the change of depths by the results of the whole log; `None` if its
+/// scale and its offset have not changed.
+fn drift(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<String> {
+    let change_m = depth_change_m(survey, before, after)?;
+    let ranges = |calibration: &Calibration| {
+        let change = calibration.range_change();
+        change.unwrap_or_else(|| "ranges as recorded".to_owned())
+    };
+    (change_m.abs() >= SAME_M).then(|| {
+        format!(
+            "With more of the log, {} instead of {}: depths change by about {:+.0} cm",
+            ranges(after),
+            ranges(before),
+            100.0 * change_m
+        )
+    })
+}
+
+/// Returns the depth of a first return at the median depth by the calibration `after` minus that by
+/// `before`, metres.
+fn depth_change_m(survey: &Survey, before: &Calibration, after: &Calibration) -> Option<f64> {
+    let depth_m = after.measured_offset.or(before.measured_offset)?.depth_m;
+    let mut spans = Side::BOTH.into_iter().filter_map(|side| survey.span(0, side));
+    let span = spans.next()?;
+    let sample = span.sample_at(depth_m);
+    let change_m = after.range_m(span, sample) - before.range_m(span, sample);
+    change_m.is_finite().then_some(change_m)
 }

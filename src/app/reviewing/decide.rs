@@ -3,10 +3,11 @@
 
 use super::{BoxEdge, Reviewing, Tool, border_m, middle};
 use crate::app::history::{LogStep, UndoStep};
-use crate::app::{App, LogBox, LogId, Orientation};
+use crate::app::{App, Enlarged, LogBox, LogId, Orientation};
 use bathyscope_log::survey::Side;
-use bathyscope_objects::review::{BoxId, Edit, Review};
+use bathyscope_objects::review::{BoxId, Edit, Review, Reviewed};
 use bathyscope_objects::{Mark, ObjectExtent};
+use bathyscope_products::project::UNDONE;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -29,16 +30,19 @@ impl Reviewing {
         if Arc::ptr_eq(&review, &self.review) {
             return None;
         }
-        let changed = first_difference(&self.review, &review);
+        let differs = |new: &&Reviewed| self.review.get(new.id) != Some(*new);
+        let changed = review.boxes().find(differs).map(|new| new.id);
         self.set(review);
         changed
     }
 }
 
 impl App {
-    /// Goes back or forward to an undo step, and to the box that it changes. The label is written
-    /// into the project's journal.
-    pub(in crate::app) fn take_step(&mut self, step: UndoStep, label: &str) {
+    /// Goes back or forward to an undo step, and to the box that it changes. The name of the step,
+    /// or that it was undone, is written into the project's journal.
+    pub(in crate::app) fn take_step(&mut self, step: UndoStep, is_back: bool) {
+        let done = self.document.history.undo_label().unwrap_or_default();
+        let label = if is_back { UNDONE.to_owned() } else { done.to_owned() };
         self.map.measuring.figure = step.figure;
         if self.map.planning.lines != step.planned {
             self.map.planning.selected = None;
@@ -55,10 +59,10 @@ impl App {
             changed_box = changed_box.or(changed);
         }
         if let Some(changed) = changed_box {
-            self.bring_in(changed);
+            self.show_box(changed, Enlarged::AsItIs);
         }
         self.settle_plane();
-        self.keep_decision(label);
+        self.keep_decision(&label);
         self.process();
     }
 
@@ -143,7 +147,7 @@ impl App {
             return;
         };
         let mark = middle(survey, &review_box.mark);
-        self.reveal(mark);
+        self.view.reveal(mark);
     }
 
     /// Applies an edit to the selected box, if there is one.
@@ -250,13 +254,6 @@ fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
         }
     }
     moved
-}
-
-/// Returns the first box of `to` that differs from its version in `from`, or is missing there.
-fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
-    to.boxes()
-        .find(|review_box| from.get(review_box.id) != Some(*review_box))
-        .map(|review_box| review_box.id)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! are searched again.
 
 use crate::app::error::AppError;
-use crate::app::jobs::JobKey;
+use crate::app::jobs::{JobKey, JobQueue};
 use crate::app::{Action, App, LogId, OpenLog};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Navigation;
@@ -95,6 +95,23 @@ impl ObjectSearch {
     /// Returns true if a log is being searched or is waiting to be searched.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
+    }
+
+    /// Removes a log that is being closed from the search.
+    pub(in crate::app) fn leave(&mut self, log: LogId, jobs: &mut JobQueue) {
+        let planned = self.ahead.len();
+        self.ahead.retain(|queued| *queued != log);
+        let running = self.running.take_if(|running| running.log == log);
+        self.logs -= planned - self.ahead.len() + usize::from(running.is_some());
+        if running.is_some() {
+            jobs.stop(&JobKey::SearchObjects);
+        }
+    }
+
+    /// Stops and disables the search of the new pings of a followed log.
+    fn stop_tail(&mut self, jobs: &mut JobQueue) {
+        jobs.stop(&JobKey::SearchTail);
+        self.searches_tail = false;
     }
 }
 
@@ -233,7 +250,7 @@ impl App {
 
     /// Stops a search; the boxes that it has found stay, with the range of searched pings.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        self.stop_tail();
+        self.findings.search.stop_tail(&mut self.jobs);
         self.jobs.stop(&JobKey::SearchObjects);
         if !self.findings.search.is_busy() {
             return;
@@ -258,12 +275,20 @@ impl App {
         }
     }
 
-    /// Receives the messages of a search: loads its model, and returns the newest of its boxes.
+    /// Receives the messages of a search: keeps its model, whose recommended score becomes the
+    /// threshold of the queue if the model is a new one, and returns the newest of its boxes.
     fn receive_messages(&mut self, running: &Detecting) -> Option<SoFar> {
         let mut last = None;
         while let Ok(message) = running.messages.try_recv() {
             match message {
-                SearchMessage::Ready(detector) => self.keep_detector(detector),
+                SearchMessage::Ready(detector) => {
+                    let known = self.findings.search.detector.as_ref();
+                    if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
+                        let queue = self.logs.shown.reviewing.queue.clone();
+                        self.logs.set_queue(&Queue { threshold: detector.model.score, ..queue });
+                    }
+                    self.findings.search.detector = Some(detector);
+                }
                 SearchMessage::SoFar(so_far) => last = Some(so_far),
             }
         }
@@ -285,63 +310,37 @@ impl App {
         self.findings.search.running = Some(running);
     }
 
-    /// Adds the boxes of a search that has ended.
+    /// Adds the boxes of the search of a log that has ended. The whole search is one undo step, but
+    /// the boxes of each log are saved at once.
     fn take_search(&mut self, found: Result<Vec<Detection>, AppError>) {
         let Some(running) = self.findings.search.running.take() else {
             return;
         };
         let last = self.receive_messages(&running);
-        match found {
-            Ok(found) => self.take_found(running.log, &found, running.all),
+        let found = match found {
+            Ok(found) => found,
             Err(error) => {
                 // The same model would fail on the next log as well.
                 self.findings.search.ahead.clear();
                 self.end_search(running.log, last);
-                self.notices.warn(error);
+                return self.notices.warn(error);
             }
-        }
-    }
-
-    /// Removes a log that is being closed from the search.
-    pub(in crate::app) fn leave_search(&mut self, log: LogId) {
+        };
         let search = &mut self.findings.search;
-        let planned = search.ahead.len();
-        search.ahead.retain(|queued| *queued != log);
-        let running = search.running.take_if(|running| running.log == log);
-        search.logs -= planned - search.ahead.len() + usize::from(running.is_some());
-        if running.is_some() {
-            self.jobs.stop(&JobKey::SearchObjects);
-        }
-    }
-
-    /// Adds all boxes that were found in a log. The whole search is one undo step, but the boxes of
-    /// each log are saved at once.
-    fn take_found(&mut self, id: LogId, found: &[Detection], pings: usize) {
-        self.findings.search.done += 1;
-        self.findings.search.found += found.len();
-        let is_last = self.findings.search.ahead.is_empty();
-        self.adopt(id, found, pings, !is_last);
+        search.done += 1;
+        search.found += found.len();
+        let (is_last, is_none) = (search.ahead.is_empty(), search.found == 0);
+        self.adopt(running.log, &found, running.all, !is_last);
         if !is_last {
             self.keep_project(LABEL);
             return self.search_next();
         }
-        if self.findings.search.found == 0 {
+        if is_none {
             self.notices.notify(format!(
                 "no objects were found; draw boxes with {}, or choose another model",
                 Action::NewBox.key()
             ));
         }
-    }
-
-    /// Keeps a detector; with a new model the threshold of the queue becomes the score that the
-    /// model recommends.
-    fn keep_detector(&mut self, detector: Detector) {
-        let known = self.findings.search.detector.as_ref();
-        if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
-            let queue = self.logs.shown.reviewing.queue.clone();
-            self.logs.set_queue(&Queue { threshold: detector.model.score, ..queue });
-        }
-        self.findings.search.detector = Some(detector);
     }
 
     /// Adds the boxes that were found in a log's first pings, as a part of the undo step of the
@@ -363,12 +362,6 @@ impl App {
         let raster = reviewing.raster()?;
         let review = (reviewing.review).adopt(&name, names, found, raster, pings);
         Some(Arc::new(review))
-    }
-
-    /// Stops and disables the search.
-    fn stop_tail(&mut self) {
-        self.jobs.stop(&JobKey::SearchTail);
-        self.findings.search.searches_tail = false;
     }
 
     /// Starts searching the pings that a followed log has got since its last search, if objects
@@ -422,29 +415,31 @@ impl App {
         self.jobs.run_or(
             JobKey::SearchTail,
             work,
-            move |app, found| match found {
-                Ok(found) => app.adopt_tail(id, &found, from..to),
-                Err(error) => app.fail_tail(&error),
-            },
-            move |app| app.fail_tail(&AppError::Failed(name)),
+            move |app, found| app.take_tail(id, found, from..to),
+            move |app| app.take_tail(id, Err(AppError::Failed(name)), from..to),
         );
     }
 
-    /// Stops the search and reports its error: the same model would fail again.
-    fn fail_tail(&mut self, error: &AppError) {
-        self.stop_tail();
-        self.notices.warn(error);
-    }
-
     /// Adds the boxes that were found in some pings, even if the log is not followed any more.
-    fn adopt_tail(&mut self, log: LogId, found: &[Detection], pings: Range<usize>) {
+    fn take_tail(
+        &mut self,
+        log: LogId,
+        found: Result<Vec<Detection>, AppError>,
+        pings: Range<usize>,
+    ) {
+        let mut found = match found {
+            Ok(found) => found,
+            Err(error) => {
+                // The same model would fail again.
+                self.findings.search.stop_tail(&mut self.jobs);
+                return self.notices.warn(error);
+            }
+        };
         // A box at the edge of the picture is no object, and objects that begin before it are
         // listed already.
         let from = pings.start;
-        let inside =
-            found.iter().filter(|detection| detection.mark.pings.start > from || from == 0);
-        let inside: Vec<Detection> = inside.cloned().collect();
-        let adopted = self.adopted(log, &inside, pings);
+        found.retain(|detection| detection.mark.pings.start > from || from == 0);
+        let adopted = self.adopted(log, &found, pings);
         if let Some((log, review)) = self.logs.get_mut(log).zip(adopted) {
             log.reviewing.set(review);
             self.keep_project(LABEL);

@@ -4,7 +4,8 @@ use super::Reviewing;
 use crate::app::jobs::JobKey;
 use crate::app::{App, LogId, OpenLog};
 use bathyscope_log::support::printable::quoted;
-use bathyscope_objects::review::{Review, ReviewError};
+use bathyscope_log::support::progress::Progress;
+use bathyscope_objects::review::Review;
 use bathyscope_products::export::{self, ExportError};
 use bathyscope_products::outputs::write_boxes;
 use std::io::Write as _;
@@ -94,56 +95,43 @@ impl App {
             return false;
         };
         let from = path.clone();
-        self.jobs.run(
-            JobKey::ReadReview(id),
-            move |_| Review::open_for(&from, &survey),
-            move |app, read| app.take_read_review(id, read, path, is_found),
-        );
+        let read = move |_: &Progress| Review::open_for(&from, &survey);
+        self.jobs.run(JobKey::ReadReview(id), read, move |app, read| {
+            let Some(log) = app.logs.get_mut(id) else {
+                return;
+            };
+            let review = match read {
+                Ok(review) => review,
+                Err(error) => {
+                    log.reviewing.refused = is_found.then_some(path);
+                    return app.notices.warn(error);
+                }
+            };
+            let boxes = review.boxes().len();
+            let text = if is_found {
+                format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
+            } else {
+                format!("Opened {boxes} boxes: {}", path.display())
+            };
+            // The sides may have been exchanged while the file was read.
+            let swapped = (log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
+            let review = Arc::new(review.with_sides(swapped));
+            if is_found {
+                app.take_unkept("open review", |app| {
+                    if let Some(log) = app.logs.get_mut(id) {
+                        log.reviewing.set(review.clone());
+                    }
+                });
+            } else {
+                app.take_review(id, review.clone(), "open review", false);
+            }
+            if let Some(log) = app.logs.get_mut(id) {
+                log.reviewing.saved = Some(review);
+                log.reviewing.path = Some(path);
+            }
+            app.notices.notify(text);
+        });
         true
-    }
-
-    /// Sets the boxes of a log that were read from a file.
-    fn take_read_review(
-        &mut self,
-        id: LogId,
-        read: Result<Review, ReviewError>,
-        path: PathBuf,
-        is_found: bool,
-    ) {
-        let Some(log) = self.logs.get_mut(id) else {
-            return;
-        };
-        match read {
-            Ok(review) => {
-                let boxes = review.boxes().len();
-                let text = if is_found {
-                    format!("Found {boxes} boxes in the log's sidecar file: {}", path.display())
-                } else {
-                    format!("Opened {boxes} boxes: {}", path.display())
-                };
-                // The sides may have been exchanged while the file was read.
-                let swapped = (log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
-                let review = Arc::new(review.with_sides(swapped));
-                if is_found {
-                    self.take_unkept("open review", |app| {
-                        if let Some(log) = app.logs.get_mut(id) {
-                            log.reviewing.set(review.clone());
-                        }
-                    });
-                } else {
-                    self.take_review(id, review.clone(), "open review", false);
-                }
-                if let Some(log) = self.logs.get_mut(id) {
-                    log.reviewing.saved = Some(review);
-                    log.reviewing.path = Some(path);
-                }
-                self.notices.notify(text);
-            }
-            Err(error) => {
-                log.reviewing.refused = is_found.then_some(path);
-                self.notices.warn(error);
-            }
-        }
     }
 }
 

@@ -55,9 +55,10 @@ pub struct Judging {
     /// True if boxes, raster or truth have changed since the last comparison began.
     pub(super) outdated: bool,
     standing: Option<Standing>,
-    pub(super) sort: MistakeSort,
-    /// Index of the missed object that is shown; `None` if none is.
-    missed: Option<usize>,
+    /// Order of the list of mistakes.
+    pub(crate) sort: MistakeSort,
+    /// Index of the missed object that is shown, in the truth's objects; `None` if none is.
+    pub missed: Option<usize>,
 }
 
 impl Judging {
@@ -87,17 +88,6 @@ impl Judging {
     /// Returns the false alarms and missed objects, in the chosen order.
     pub fn mistakes(&self) -> &[Mistake] {
         self.standing().map_or(&[], |standing| &standing.mistakes)
-    }
-
-    /// Returns the order of the list of mistakes.
-    pub fn sort(&self) -> MistakeSort {
-        self.sort
-    }
-
-    /// Returns the index of the shown missed object in the truth's objects; `None` if none is
-    /// shown.
-    pub fn missed(&self) -> Option<usize> {
-        self.missed
     }
 
     /// Deselects the missed object.
@@ -213,31 +203,28 @@ impl App {
                 TruthSource::File(path) => Ok(SurveyTruth::read(path, &identity)?),
             }
         };
-        self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| match read {
-            Ok(truth) => app.take_truth(id, truth, source, is_found),
-            Err(error) => app.notices.warn(error),
-        });
-    }
-
-    /// Sets the truth of a log.
-    fn take_truth(&mut self, id: LogId, truth: SurveyTruth, source: TruthSource, is_found: bool) {
-        let objects = truth.objects.len();
-        self.jobs.stop(&JobKey::CompareTruth(id));
-        let Some(log) = self.logs.get_mut(id) else {
-            return;
-        };
-        let judging = &mut log.reviewing.judging;
-        judging.forget();
-        judging.truth = Some((source.clone(), Arc::new(truth)));
-        judging.outdated = true;
-        match source {
-            TruthSource::File(path) if !is_found => {
-                let path = path.display();
-                self.notices.notify(format!("Opened {objects} known objects: {path}"));
-            }
+        self.jobs.run(JobKey::ReadTruth(id), read, move |app, read| {
+            let truth = match read {
+                Ok(truth) => truth,
+                Err(error) => return app.notices.warn(error),
+            };
+            let objects = truth.objects.len();
+            app.jobs.stop(&JobKey::CompareTruth(id));
+            let Some(log) = app.logs.get_mut(id) else {
+                return;
+            };
+            let judging = &mut log.reviewing.judging;
+            judging.forget();
+            judging.truth = Some((source.clone(), Arc::new(truth)));
+            judging.outdated = true;
             // The name of a sidecar file is shown where its objects are used.
-            TruthSource::File(_) | TruthSource::Demo => {}
-        }
+            if let TruthSource::File(path) = source
+                && !is_found
+            {
+                let path = path.display();
+                app.notices.notify(format!("Opened {objects} known objects: {path}"));
+            }
+        });
     }
 
     /// Removes the truth of the shown log.
@@ -284,7 +271,7 @@ impl App {
                 if let Some((survey, known)) = self.logs.shown.survey.as_ref().zip(known) {
                     let mark = middle(survey, &known.whole);
                     self.logs.shown.reviewing.judging.missed = Some(object);
-                    self.reveal(mark);
+                    self.view.reveal(mark);
                 }
             }
         }

@@ -193,28 +193,11 @@ impl App {
         }
     }
 
-    /// Shows the log of a box, if it is not shown yet, and enlarges the box in all views.
-    pub(in crate::app) fn fly_to(&mut self, id: LogBox) {
-        self.select_log_box(id);
-        self.enlarge(Enlarged::Third);
-    }
-
     /// Shows the log of a box of the queue, if it is not shown yet, and the box: one to one in the
     /// waterfall, if that option is on.
     fn come_to(&mut self, id: LogBox) {
-        self.select_log_box(id);
-        self.enlarge(if self.view.options.waterfall.zooms_to_boxes {
-            Enlarged::OneToOne
-        } else {
-            Enlarged::AsItIs
-        });
-    }
-
-    /// Shows the log of a box, if it is not shown yet, and the box with its surroundings, at the
-    /// present scale of each view.
-    pub(in crate::app) fn bring_in(&mut self, id: LogBox) {
-        self.select_log_box(id);
-        self.enlarge(Enlarged::AsItIs);
+        let is_enlarged = self.view.options.waterfall.zooms_to_boxes;
+        self.show_box(id, if is_enlarged { Enlarged::OneToOne } else { Enlarged::AsItIs });
     }
 
     /// Toggles whether the boxes of the queue are shown one to one, or at the present scale of the
@@ -227,7 +210,10 @@ impl App {
         }
     }
 
-    fn enlarge(&mut self, enlarged: Enlarged) {
+    /// Shows the log of a box, if it is not shown yet, and the box with its surroundings in all
+    /// views, at a scale.
+    pub(in crate::app) fn show_box(&mut self, id: LogBox, enlarged: Enlarged) {
+        self.select_log_box(id);
         let reviewing = &self.logs.shown.reviewing;
         let selected = reviewing.selected_box();
         let close_up = selected.map(|review_box| close_up(reviewing, review_box, enlarged));
@@ -239,7 +225,7 @@ impl App {
     /// Enlarges the selected box in all views.
     pub(in crate::app) fn fly_to_selected(&mut self) {
         match self.logs.shown.selected_box() {
-            Some(id) => self.fly_to(id),
+            Some(id) => self.show_box(id, Enlarged::Third),
             None => self.notices.ask_for_box(),
         }
     }

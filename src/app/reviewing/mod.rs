@@ -1,9 +1,11 @@
-//! Holds the boxes of a log with their decisions, selection, order and tool.
+//! Holds the boxes of a log with their decisions, selection, order and tool, and locates their
+//! objects on the Earth in a background thread: for a box again when it was moved, and for all
+//! boxes when the track, the first returns or the scale changed.
 //!
 //! `decide` applies edits, renames classes and goes through undo steps, `edges` moves single edges
 //! and marks points, `detect` searches with a detector, `line` is the queue over all logs and
-//! enlarges a box in all views, `places` locates boxes on the ground, `judging` compares them with
-//! the truth if it is known, `files` reads and writes the review and exports boxes.
+//! enlarges a box in all views, `judging` compares boxes with the truth if it is known, `files`
+//! reads and writes the review and exports boxes.
 
 mod decide;
 mod detect;
@@ -11,7 +13,6 @@ mod edges;
 mod files;
 mod judging;
 mod line;
-mod places;
 
 pub use bathyscope_objects::review::PIXEL_M;
 pub use decide::Nudge;
@@ -19,19 +20,20 @@ pub use detect::SearchStatus;
 pub use edges::{BoxEdge, border_m};
 pub(crate) use judging::Judging;
 pub use judging::MistakeSort;
-pub use places::LocatedObject;
 
 pub(super) use detect::ObjectSearch;
 pub(super) use files::SUFFIX as REVIEW_SUFFIX;
-pub(super) use places::Entries;
 
-use super::LogPlace;
+use super::jobs::JobKey;
+use super::{App, LogId, LogPlace};
+use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Navigation, Survey};
-use bathyscope_objects::NAMELESS_CLASS;
 use bathyscope_objects::review::{BoxId, DecisionCounts, Queue, Review, Reviewed};
-use bathyscope_objects::{Mark, Raster};
-
-use places::BoxPlaces;
+use bathyscope_objects::targets::{Target, TopShape};
+use bathyscope_objects::{Mark, MeasuredShadow, NAMELESS_CLASS, ObjectExtent, Raster};
+use bathyscope_products::pipeline::{ObjectLocator, Products};
+use rayon::prelude::*;
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -58,6 +60,7 @@ pub enum Tool {
 }
 
 /// The boxes of a log, and the state of their review.
+#[derive(Default)]
 pub struct Reviewing {
     /// The boxes with the decisions about them.
     pub review: Arc<Review>,
@@ -91,32 +94,48 @@ pub struct Reviewing {
     pub judging: Judging,
 }
 
-impl Default for Reviewing {
-    fn default() -> Self {
-        Self {
-            review: Arc::new(empty(&Survey::default())),
-            selected: None,
-            queue: Queue::default(),
-            tool: Tool::default(),
-            edge: BoxEdge::default(),
-            path: None,
-            line: Vec::new(),
-            along: Vec::new(),
-            longest: 0,
-            counts: DecisionCounts::default(),
-            is_touched: false,
-            class: 0,
-            raster: None,
-            saved: None,
-            refused: None,
-            places: BoxPlaces::default(),
-            judging: Judging::default(),
-        }
+/// A box's object on the ground.
+#[derive(Clone, Debug)]
+pub struct LocatedObject {
+    /// Position, extent, height and depth.
+    pub target: Target,
+    /// Corners of its footprint, metres east and north, with the length along the track and the
+    /// width across it; all four are the position for a point.
+    pub corners: [[f64; 2]; 4],
+}
+
+/// Results from which positions are computed.
+#[derive(Clone)]
+struct PlaceInputs(Products);
+
+impl PlaceInputs {
+    fn is_same(&self, other: &Self) -> bool {
+        let (one, other) = (&self.0, &other.0);
+        Arc::ptr_eq(&one.navigation, &other.navigation)
+            && Arc::ptr_eq(&one.returns, &other.returns)
+            && Arc::ptr_eq(&one.calibration, &other.calibration)
+            && Arc::ptr_eq(&one.relief, &other.relief)
+            && (Arc::ptr_eq(&one.correction, &other.correction)
+                || one.correction == other.correction)
     }
 }
 
-fn empty(survey: &Survey) -> Review {
-    Review::new(Identity::of(survey), vec![NAMELESS_CLASS.to_owned()])
+/// The properties of a box that its position and its height depend on.
+type BoxExtent = (Mark, ObjectExtent, Option<MeasuredShadow>, TopShape);
+
+/// The properties of a box, and its located object, `None` if it has no position.
+type LocatedBox = (BoxExtent, Option<Arc<LocatedObject>>);
+
+/// The positions of a log's boxes; a change of any of them makes another allocation.
+pub(super) type Entries = Arc<HashMap<BoxId, LocatedBox>>;
+
+/// State of the positions of a log's boxes.
+#[derive(Default)]
+struct BoxPlaces {
+    known: Entries,
+    ground: Option<PlaceInputs>,
+    /// True if boxes or ground have changed since the last check for missing positions.
+    outdated: bool,
 }
 
 impl Reviewing {
@@ -253,7 +272,8 @@ impl Reviewing {
 
     /// Starts the review of a log that was opened.
     pub(super) fn start(&mut self, survey: &Survey) {
-        self.set(Arc::new(empty(survey)));
+        let classes = vec![NAMELESS_CLASS.to_owned()];
+        self.set(Arc::new(Review::new(Identity::of(survey), classes)));
     }
 
     /// Moves the boxes with their echoes to the other side when the sides of the log are exchanged
@@ -275,6 +295,95 @@ impl Reviewing {
         self.judging.sort = before.judging.sort;
         self.sort_and_filter();
         self.count_mistakes();
+    }
+
+    /// Returns the object of a box on the ground; `None` until it is located, or if it cannot be.
+    pub fn placed(&self, id: BoxId) -> Option<&Arc<LocatedObject>> {
+        self.places.known.get(&id)?.1.as_ref()
+    }
+
+    /// Returns the positions of the boxes.
+    pub(super) fn entries(&self) -> &Entries {
+        &self.places.known
+    }
+
+    /// Returns the boxes that have no position on a ground.
+    fn not_located(&self, ground: &PlaceInputs) -> Vec<(BoxId, BoxExtent)> {
+        let (places, review) = (&self.places, &self.review);
+        let is_same = places.ground.as_ref().is_some_and(|known| known.is_same(ground));
+        let top = |review_box: &Reviewed| TopShape::of_class(review.class_name(review_box.class));
+        let is_known = |review_box: &Reviewed| {
+            let known = places.known.get(&review_box.id);
+            let is_as_placed = |(mark, extent, shadow, placed_top): &BoxExtent| {
+                *mark == review_box.mark
+                    && *extent == review_box.extent
+                    && *shadow == review_box.shadow
+                    && *placed_top == top(review_box)
+            };
+            is_same && known.is_some_and(|(known, _)| is_as_placed(known))
+        };
+        (review.boxes())
+            .filter(|review_box| !is_known(review_box))
+            .map(|review_box| {
+                let Reviewed { id, mark, extent, shadow, .. } = review_box;
+                (*id, (mark.clone(), *extent, *shadow, top(review_box)))
+            })
+            .collect()
+    }
+}
+
+impl BoxPlaces {
+    /// Sets positions that were computed on a ground.
+    fn take(&mut self, ground: PlaceInputs, entries: Vec<(BoxId, LocatedBox)>) {
+        // Positions on an earlier ground stay visible until the new ones are computed.
+        let is_same = self.ground.as_ref().is_some_and(|known| known.is_same(&ground));
+        let known = Arc::make_mut(&mut self.known);
+        if !is_same {
+            known.clear();
+        }
+        known.extend(entries);
+        self.ground = Some(ground);
+    }
+}
+
+impl App {
+    /// Starts locating the boxes of a log that have no position on its present ground.
+    pub(super) fn locate_boxes(&mut self, id: LogId) {
+        if self.jobs.is_running(&JobKey::PlaceBoxes(id)) {
+            return;
+        }
+        let Some(log) = self.logs.get_mut(id).filter(|log| log.reviewing.places.outdated) else {
+            return;
+        };
+        let (Some(survey), Some(products)) = (log.survey.clone(), log.products.clone()) else {
+            return;
+        };
+        log.reviewing.places.outdated = false;
+        let ground = PlaceInputs(products);
+        let missing = log.reviewing.not_located(&ground);
+        if missing.is_empty() {
+            return;
+        }
+        let from = ground.clone();
+        let work = move |progress: &Progress| {
+            let locator = ObjectLocator::new(&survey, &from.0);
+            let entry = |(id, (mark, extent, shadow, top)): (BoxId, BoxExtent)| {
+                let placed = locator.place_as(&mark, extent, shadow, top).map(|target| {
+                    let corners = target.corners();
+                    Arc::new(LocatedObject { target, corners })
+                });
+                (id, ((mark, extent, shadow, top), placed))
+            };
+            let requested = missing.into_par_iter();
+            requested
+                .filter_map(|unplaced| (!progress.is_cancelled()).then(|| entry(unplaced)))
+                .collect()
+        };
+        self.jobs.run(JobKey::PlaceBoxes(id), work, move |app, entries| {
+            if let Some(log) = app.logs.get_mut(id) {
+                log.reviewing.places.take(ground, entries);
+            }
+        });
     }
 }
 

@@ -34,7 +34,7 @@ impl Fix {
 }
 
 /// The boat's track. Position between fixes, and heading, come from [`super::navigate`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Track {
     /// One entry per record that carries a position, repeats included, in time order; shared by all
     /// copies.
@@ -99,13 +99,6 @@ pub struct TrackSettings {
     /// Added to the times of an external track, seconds: the time by which its clock is behind that
     /// of the recorder.
     pub offset_s: f64,
-}
-
-impl Default for Track {
-    /// Creates a track without fixes.
-    fn default() -> Self {
-        Self::new(Vec::new())
-    }
 }
 
 impl Track {

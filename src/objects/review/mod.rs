@@ -22,7 +22,7 @@ use super::class::is_name;
 use super::dataset::{LEAST_PX, LEAST_SHARE, PictureBoxes};
 use super::{Labelled, Mark, MeasuredShadow, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
 use bathyscope_log::named;
-use bathyscope_log::survey::{Identity, Side};
+use bathyscope_log::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -179,6 +179,13 @@ pub struct Review {
     next_id: u32,
     /// Searched pings along the track, without overlap.
     searched: Vec<Searched>,
+}
+
+impl Default for Review {
+    /// Creates the empty review of no log.
+    fn default() -> Self {
+        Self::new(Identity::of(&Survey::default()), vec![NAMELESS_CLASS.to_owned()])
+    }
 }
 
 impl Review {

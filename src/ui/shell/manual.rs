@@ -1,7 +1,6 @@
 //! Draws the manual: a list of pages, the chosen page, and a search of all of them.
 
-use crate::app::manual::Topic;
-use crate::app::manual::markdown::{PageBlock, Span, blocks, sections};
+use crate::app::manual::{PageBlock, Span, Topic, blocks, sections};
 use crate::ui::theme;
 use egui::text::LayoutJob;
 use egui::{

@@ -121,7 +121,7 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
         press(&mut window, Modifiers::NONE, Key::Period);
     }
     let judging = &app(&window).logs.shown.reviewing.judging;
-    let object = judging.missed().expect("a missed object");
+    let object = judging.missed.expect("a missed object");
     assert!(app(&window).logs.shown.reviewing.selected.is_none());
     let comparison = judging.comparison().expect("a comparison");
     let whole = comparison.truth().objects[object].whole.clone();
@@ -131,7 +131,7 @@ fn mistakes_are_walked_by_keys_and_by_clicks_and_shown_on_the_waterfall() {
     press(&mut window, Modifiers::NONE, Key::Comma);
     let ghost = review_of(&window).get(selected(&window)).expect("a box");
     assert_eq!(ghost.score, Some(0.33));
-    assert!(app(&window).logs.shown.reviewing.judging.missed().is_none());
+    assert!(app(&window).logs.shown.reviewing.judging.missed.is_none());
 
     app_mut(&mut window).apply(Command::SortMistakes(MistakeSort::Size));
     window.run();

@@ -28,6 +28,13 @@ pub struct LocalFrame {
     up: [f64; 3],
 }
 
+impl Default for LocalFrame {
+    /// Creates the frame at longitude 0, latitude 0.
+    fn default() -> Self {
+        Self::new(LonLat::new(0.0, 0.0))
+    }
+}
+
 impl LocalFrame {
     /// Creates the frame with its origin at `origin`.
     pub fn new(origin: LonLat) -> Self {

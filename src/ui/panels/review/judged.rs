@@ -70,7 +70,7 @@ fn list_of_mistakes(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Tru
     if mistakes.is_empty() {
         return remark(ui, "No mistake from this score on.");
     }
-    let mut sort = reviewing.judging.sort();
+    let mut sort = reviewing.judging.sort;
     let before = sort;
     row(ui, "Sort by", "The order of the list.", |ui| {
         DropDown::new("sort mistakes", sort.name()).width(ui.available_width() - 2.0).pick(

@@ -160,7 +160,7 @@ impl<'a> Missed<'a> {
             Some(Missed {
                 class: truth.class_name(known.class),
                 rect: on_screen(lens, &known.whole),
-                is_selected: judging.missed() == Some(*object),
+                is_selected: judging.missed == Some(*object),
             })
         });
         missed.filter(|missed| missed.rect.intersects(lens.rect)).collect()
