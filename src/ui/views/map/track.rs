@@ -9,7 +9,7 @@ use super::transform::{GroundBounds, NOWHERE, PlaceBoxes, around};
 use crate::app::{App, LogId, MapLayer, VisibleLog};
 use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::theme;
-use crate::ui::views::{empty, legend};
+use crate::ui::views::legend;
 use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
 use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
 use bathyscope_log::support::progress::Progress;
@@ -252,7 +252,7 @@ pub(super) fn show(
     let Some(state) = state else {
         let (at, middle) = (scene.rect.center(), Align2::CENTER_CENTER);
         let colour = theme::canvas_text_colour(scene.options);
-        painter.text(at, middle, empty::NO_GPU, legend::font(), colour);
+        painter.text(at, middle, legend::NO_GPU, legend::font(), colour);
         return;
     };
     // The line under the track sets it off from the depth map, whose colours it shares.

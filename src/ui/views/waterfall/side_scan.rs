@@ -7,7 +7,7 @@ use super::lens::{Lens, LensPlace};
 use super::scales::{self, RangeLines};
 use super::{WaterfallView, bottom, boxes, extent, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
-use crate::ui::views::{empty, tool};
+use crate::ui::views::{legend, tool};
 use crate::ui::{ViewContext, place, stretch_text, theme};
 use bathyscope_bottom::first_return::BottomLine;
 use bathyscope_bottom::picture::PictureGeometry;
@@ -182,11 +182,11 @@ fn without_picture(
     let survey = context.app.logs.shown.survey.clone();
     let said = match survey {
         None => {
-            empty::first_steps(ui, context, rect);
+            legend::first_steps(ui, context, rect);
             "open a survey to see its side-scan here".to_owned()
         }
         Some(_) if is_reading => {
-            empty::say(ui, context, rect, "The side-scan is being read.");
+            legend::say(ui, context, rect, "The side-scan is being read.");
             "reading the survey".to_owned()
         }
         Some(survey) => {
