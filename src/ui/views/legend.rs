@@ -5,9 +5,7 @@ use super::ticks;
 use crate::app::{Action, ViewOptions};
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::cloud::DepthReference;
-use bathyscope_bottom::presentation::colours::{
-    depth_colour, difference_colour, distance_colour, share_colour, uncertainty_colour,
-};
+use bathyscope_bottom::presentation::colours::{depth_colour, difference_colour, share_colour};
 use bathyscope_bottom::presentation::units::Units;
 use egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, RichText, Shape, Ui, UiBuilder, Vec2, pos2,
@@ -112,22 +110,13 @@ impl LegendScale {
         }
     }
 
-    /// Creates a scale of slant ranges, the nearest on top.
-    pub(super) fn of_ranges(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("slant range", ends_m, units, share_colour)
-    }
-
-    /// Creates a scale of uncertainties of depths, the least on top.
-    pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("uncertainty", ends_m, units, uncertainty_colour)
-    }
-
-    /// Creates a scale of distances to the nearest depth, the nearest on top.
-    pub(super) fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("to a depth", ends_m, units, distance_colour)
-    }
-
-    fn of_metres(name: &str, ends_m: [f32; 2], units: Units, colour: fn(f32) -> [u8; 3]) -> Self {
+    /// Creates a scale of lengths, the least on top.
+    pub(super) fn of_lengths(
+        name: &str,
+        ends_m: [f32; 2],
+        units: Units,
+        colour: fn(f32) -> [u8; 3],
+    ) -> Self {
         Self {
             title: format!("{name}, {}", units.symbol()),
             ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
