@@ -7,7 +7,7 @@ mod strips;
 
 use crate::app::{Command, LogPlace};
 use crate::ui::flat::{PaintedArea, RasterTexture};
-use crate::ui::{ViewContext, place, stretch_text, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::{Correction, PingDepth};
 use bathyscope_bottom::presentation::ticks;
 use bathyscope_log::survey::{Navigation, Survey};
@@ -87,7 +87,7 @@ impl TimeLine {
             let strips = self.strips.result().and_then(Option::as_ref);
             let depth = strips.and_then(|strips| strips.deepest(context.units()));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
-            let excluded = stretch_text::and_stretches(context.app);
+            let excluded = place::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });

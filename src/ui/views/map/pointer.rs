@@ -4,9 +4,9 @@
 use super::stretches::{self, REACH};
 use super::transform::MapTransform;
 use super::{MapScene, objects};
-use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
+use crate::app::{App, Command, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::ui::views::legend;
-use crate::ui::{OwnHover, ViewContext, place, stretch_text, text, theme};
+use crate::ui::{OwnHover, ViewContext, place, text, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_products::pipeline::DepthMap;
@@ -148,12 +148,7 @@ impl MapPointer {
                 }
                 ui.close();
             }
-            if let Some(stretch) = context.app.logs.excluded_at(log, ping)
-                && stretch_text::include_again(ui, &stretch)
-            {
-                let (part, edit) = (stretch.part(), ExclusionEdit::Include);
-                context.push(Command::Exclude { log, part, edit });
-            }
+            place::include_entry(ui, context, log, ping);
             if ui.button("Show in the other views").clicked() {
                 context.push(Command::RevealIn(log, LogPlace::ping(ping)));
                 ui.close();
@@ -281,7 +276,7 @@ fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usiz
     if let Some(near) = near {
         text += "   ";
         text += &named_ping(app, near);
-        if let Some(why) = stretch_text::excluded_at(app, near.0, near.1) {
+        if let Some(why) = place::excluded_at(app, near.0, near.1) {
             text += &format!(", {why}");
         }
     }

@@ -5,10 +5,10 @@
 use super::MapScene;
 use super::track::TrackLayer;
 use super::transform::MapTransform;
-use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
+use crate::app::{App, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::legend;
 use crate::ui::views::tool::{self, Does};
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{LogPart, PingNav};
@@ -79,11 +79,9 @@ impl StretchTool {
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         if let Some((log, ping)) = clicked.flatten().and_then(under)
-            && let Some(stretch) = context.app.logs.excluded_at(log, ping)
             && !is_calibrating
         {
-            let (part, edit) = (stretch.part(), ExclusionEdit::Include);
-            context.push(Command::Exclude { log, part, edit });
+            place::include_again(context, log, ping);
         }
         if tool::is_given_up(ui, response) {
             self.drag = None;

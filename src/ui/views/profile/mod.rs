@@ -7,7 +7,7 @@ mod curve;
 
 use crate::app::{Command, LogPlace, ViewOptions};
 use crate::ui::flat::{self, RasterTexture};
-use crate::ui::{ViewContext, place, stretch_text, theme};
+use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
@@ -191,7 +191,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         picks: Side::BOTH.map(found),
         threshold: context.app.logs.shown.settings.first_return.threshold,
         dead_zone_m: context.app.logs.shown.settings.first_return.dead_zone_m,
-        excluded: stretch_text::excluded_at(context.app, context.app.logs.shown.id, ping),
+        excluded: place::excluded_at(context.app, context.app.logs.shown.id, ping),
     })
 }
 

@@ -8,7 +8,7 @@ use super::scales::{self, RangeLines};
 use super::{WaterfallView, bottom, boxes, extent, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
 use crate::ui::views::{legend, tool};
-use crate::ui::{ViewContext, place, stretch_text, theme};
+use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::first_return::BottomLine;
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::units::Units;
@@ -228,7 +228,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     };
     let units = context.units();
     let warning = warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
-    let excluded = stretch_text::and_stretches(context.app);
+    let excluded = place::and_stretches(context.app);
     let products = context.app.logs.shown.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
