@@ -5,7 +5,7 @@ use crate::app::{
     Action, App, Command, Enlarged, ExcludedExtent, ExclusionEdit, LogId, LogPlace, Reveal,
 };
 use crate::ui::{ViewContext, text};
-use bathyscope_bottom::calibration::FlatSpot;
+use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
@@ -335,5 +335,13 @@ pub(super) fn stretch_relief(spot: &FlatSpot, units: Units) -> String {
         written.trim_start_matches('+').to_owned()
     } else {
         text::NONE.to_owned()
+    }
+}
+
+/// Returns the name of the stretch that the calibration was measured on.
+pub(super) fn calibrated_name(mode: ScaleMode) -> &'static str {
+    match mode {
+        ScaleMode::FlatSpot => "scale from here",
+        ScaleMode::Header => "flat stretch, not in use",
     }
 }

@@ -70,6 +70,16 @@ pub(super) fn words(
     plate(painter, options, at, anchor, text, ink)
 }
 
+/// Returns the shift from a place of a view to a text above it, and the anchor of the text, on the
+/// side where there is more room.
+pub(super) fn beside(at: Pos2, view: Rect, away: f32) -> (Vec2, Align2) {
+    if at.x < view.center().x {
+        (vec2(away, -away), Align2::LEFT_BOTTOM)
+    } else {
+        (vec2(-away, -away), Align2::RIGHT_BOTTOM)
+    }
+}
+
 /// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn
 /// there.
 pub(super) fn framed(ui: &mut Ui, options: &ViewOptions, place: Rect, add: impl FnOnce(&mut Ui)) {

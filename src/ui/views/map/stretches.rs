@@ -9,7 +9,7 @@ use crate::app::{App, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::legend;
 use crate::ui::views::tool::{self, Does};
 use crate::ui::{ViewContext, place, theme};
-use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
+use bathyscope_bottom::calibration::FlatSpot;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{LogPart, PingNav};
 use egui::{
@@ -108,7 +108,7 @@ impl StretchTool {
         else {
             return;
         };
-        let Some((survey, products)) = log.survey.as_ref().zip(log.products.as_ref()) else {
+        let Some((survey, products)) = log.results() else {
             return;
         };
         let sailed = LogPart::Pings(drag.pings()).places(survey, &products.navigation);
@@ -155,8 +155,7 @@ pub(super) fn paint_excluded(painter: &Painter, scene: &MapScene<'_>, app: &App)
 
 /// Returns the places of the boat in the excluded stretches of a log.
 fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
-    let found = log.survey.as_ref().zip(log.products.as_ref());
-    let found = found.zip(log.exclusions()).into_iter();
+    let found = log.results().zip(log.exclusions()).into_iter();
     found.flat_map(|((survey, products), found)| {
         let stretches = found.exclusions.stretches.iter();
         stretches.map(|stretch| stretch.part().places(survey, &products.navigation))
@@ -246,10 +245,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: 
     let Some(middle) = middle(scene, &spot.pings).filter(|_| legend::has_room(scene.rect)) else {
         return;
     };
-    let text = match calibration.mode {
-        ScaleMode::FlatSpot => "scale from here",
-        ScaleMode::Header => "flat stretch, not in use",
-    };
+    let text = place::calibrated_name(calibration.mode);
     let colour = theme::CALIBRATION_COLOUR;
     let size = legend::plate_size(painter, text);
     let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);

@@ -8,7 +8,7 @@ use super::lens::{Lens, LensPlace};
 use crate::app::{App, ExclusionEdit, Tool};
 use crate::ui::views::tool::{self, Does};
 use crate::ui::{ViewContext, place, theme};
-use bathyscope_bottom::calibration::{FlatSpot, PingRange, ScaleMode};
+use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::survey::{ExclusionReason, Side};
 use egui::{Align2, Color32, CursorIcon, Painter, Pos2, Rect, Response, Stroke, Ui, pos2, vec2};
 use std::ops::Range;
@@ -225,10 +225,7 @@ pub(super) fn flat_in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
         return Vec::new();
     };
     let calibration = &products.calibration;
-    let name = match calibration.mode {
-        ScaleMode::FlatSpot => "scale from here",
-        ScaleMode::Header => "flat stretch, not in use",
-    };
+    let name = place::calibrated_name(calibration.mode);
     let used = calibration.flat_spot.iter();
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
     let proposed = app.logs.shown.proposed_stretch();

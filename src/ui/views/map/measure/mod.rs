@@ -13,7 +13,7 @@ use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_products::project::{Measurement, MeasurementKind};
-use egui::{Align2, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
+use egui::{Painter, Pos2, Rect, Response, Shape, Stroke, Ui};
 
 pub(crate) use profile::split;
 
@@ -202,11 +202,7 @@ fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Mea
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
     }
     if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
-        let (shift, anchor) = if at.x < scene.rect.center().x {
-            (vec2(10.0, -10.0), Align2::LEFT_BOTTOM)
-        } else {
-            (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM)
-        };
+        let (shift, anchor) = legend::beside(*at, scene.rect, 10.0);
         legend::words(painter, scene.options, *at + shift, anchor, &words);
     }
 }
