@@ -410,6 +410,11 @@ impl MapScene<'_> {
         self.transform.to_screen(self.rect, place)
     }
 
+    /// Returns the place of a WGS84 position on the screen.
+    fn at_position(&self, position: LonLat) -> Pos2 {
+        self.at(self.products.navigation.to_plane(&self.survey.track, position))
+    }
+
     /// Returns the WGS84 position of a place on the screen.
     fn position(&self, at: Pos2) -> LonLat {
         let [east_m, north_m] = self.transform.to_ground(self.rect, at);

@@ -7,7 +7,6 @@ use super::{MapScene, objects};
 use crate::app::{App, Command, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::ui::views::legend;
 use crate::ui::{OwnHover, ViewContext, place, text, theme};
-use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_products::pipeline::DepthMap;
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
@@ -109,7 +108,7 @@ impl MapPointer {
         let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
         if is_calibrating || spot.is_some() {
             let around = || context.app.logs.shown.stretch_around(own_ping(context.app, near)?);
-            let pings = spot.and_then(|rank| range_of(scene, rank)).or_else(around);
+            let pings = spot.map(|(_, spot)| spot.range()).or_else(around);
             context.commands.extend(pings.map(Command::ProposeStretch));
             return;
         }
@@ -170,9 +169,7 @@ impl MapPointer {
         let corner = scene.rect.left_top() + vec2(6.0, 34.0 + self.banner_height);
         let anchor = Align2::LEFT_TOP;
         let plate = legend::words(&painter, scene.options, corner, anchor, &text);
-        if let Some(rank) = stretches::under(scene, at)
-            && let Some(spot) = scene.products.flat_spots.get(rank)
-        {
+        if let Some((rank, spot)) = stretches::under(scene, at) {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
             let text = stretches::describe(rank, spot, context.units());
             legend::words(&painter, scene.options, below, anchor, &text);
@@ -238,10 +235,6 @@ fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
         Some(log) => format!("{}, ping {ping}", log.name()),
         None => format!("ping {ping}"),
     }
-}
-
-fn range_of(scene: &MapScene<'_>, rank: usize) -> Option<PingRange> {
-    scene.products.flat_spots.get(rank).map(FlatSpot::range)
 }
 
 fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {

@@ -270,15 +270,14 @@ fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
         .count()
 }
 
-/// Returns the rank index of the stretch whose number is under the pointer.
-pub(super) fn under(scene: &MapScene<'_>, pointer: Pos2) -> Option<usize> {
+/// Returns the stretch whose number is under the pointer, with its index by rank.
+pub(super) fn under<'a>(scene: &'a MapScene<'_>, pointer: Pos2) -> Option<(usize, &'a FlatSpot)> {
     if !scene.options.map.flat_spots {
         return None;
     }
-    let hit = |spot: &FlatSpot| {
+    scene.products.flat_spots.iter().enumerate().find(|(_, spot)| {
         badge_at(scene, &spot.pings).is_some_and(|at| at.distance(pointer) <= BADGE + 2.0)
-    };
-    scene.products.flat_spots.iter().position(hit)
+    })
 }
 
 /// Describes a stretch in a few lines.

@@ -270,17 +270,13 @@ pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App)
         return;
     }
     let apart = &app.logs.shown.external.apart;
-    let at = |place: &_| {
-        let navigation = &scene.products.navigation;
-        scene.at(navigation.to_plane(&scene.survey.track, *place))
-    };
     let colour = theme::recorded_track_colour(scene.options);
-    let line: Vec<_> = apart.line.iter().map(at).collect();
+    let line: Vec<_> = apart.line.iter().map(|place| scene.at_position(*place)).collect();
     painter.add(Shape::line(line, Stroke::new(1.2, colour)));
     let stroke = Stroke::new(0.8, colour);
     let mut last: Option<Pos2> = None;
     for pair in &apart.pairs {
-        let ends = [at(&pair[0]), at(&pair[1])];
+        let ends = pair.map(|place| scene.at_position(place));
         if last.is_none_or(|last| last.distance(ends[1]) > APART) {
             painter.line_segment(ends, stroke);
             last = Some(ends[1]);

@@ -186,9 +186,8 @@ fn stations(app: &App) -> &[TransectStation] {
 
 /// Draws line, corners, and the numbers beside the last one.
 fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Measurement) {
-    let navigation = &scene.products.navigation;
-    let place = |at: &LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
-    let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
+    let corners: Vec<Pos2> =
+        figure.corners.iter().map(|corner| scene.at_position(*corner)).collect();
     let colour = theme::MEASURE_COLOUR;
     let casing = theme::canvas_colour(scene.options);
     let mut line = corners.clone();
