@@ -5,6 +5,7 @@ use crate::ui::flat::ViewTexture;
 use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
+use bathyscope_products::pipeline::Same;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter, Rect};
 use std::sync::Arc;
@@ -52,7 +53,7 @@ pub(super) struct MapPen {
 pub(super) struct LinePicture<T> {
     picture: ViewTexture,
     renderer: Option<LineRenderer>,
-    drawn: Option<(Arc<T>, Vec<LineDraw>)>,
+    drawn: Option<(Same<T>, Vec<LineDraw>)>,
 }
 
 impl<T> Default for LinePicture<T> {
@@ -78,19 +79,16 @@ impl<T> LinePicture<T> {
             .iter()
             .map(|(line, pen)| line_draw(pixels_per_point, (rect, transform), line, *pen))
             .collect();
-        let same = self
-            .drawn
-            .as_ref()
-            .is_some_and(|(drawn_of, drawn)| Arc::ptr_eq(drawn_of, of) && *drawn == draws);
-        if (is_new || !same)
+        let now = (Same(of.clone()), draws);
+        if (is_new || self.drawn.as_ref() != Some(&now))
             && let Some(target) = self.picture.target()
         {
             let renderer = self.renderer.get_or_insert_with(|| LineRenderer::new(&state.device));
             let buffers = lines.iter().map(|(line, _)| line.buffers.as_ref());
             let drawn: Vec<(&TrackBuffers, &LineDraw)> =
-                buffers.zip(&draws).filter_map(|(buffers, draw)| Some((buffers?, draw))).collect();
+                buffers.zip(&now.1).filter_map(|(buffers, draw)| Some((buffers?, draw))).collect();
             renderer.draw(&state.device, &state.queue, target, &drawn);
-            self.drawn = Some((of.clone(), draws));
+            self.drawn = Some(now);
         }
         self.picture.paint(painter, rect, state);
     }
