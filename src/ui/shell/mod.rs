@@ -37,7 +37,7 @@ use play::Play;
 use printing::Printing;
 use serde::{Deserialize, Serialize};
 use sides::{SidePanel, scrolled, time_line_height};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -467,13 +467,12 @@ impl eframe::App for Shell {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let base_map = self.app.map.base_map.as_ref();
-        let saving = SavedWindow {
-            options: &self.app.view.options,
-            layout: &self.layout,
-            recent: &self.app.recent,
-            base_map: base_map.map(|map| map.path.as_path()),
-            mountings: &self.app.document.mountings,
+        let saving = Saved {
+            options: self.app.view.options.clone(),
+            layout: self.layout.clone(),
+            recent: self.app.recent.clone(),
+            base_map: self.app.map.base_map.as_ref().map(|map| map.path.clone()),
+            mountings: Mountings::clone(&self.app.document.mountings),
         };
         if let Ok(text) = serde_json::to_string(&saving) {
             storage.set_string(KEY, text);
@@ -488,7 +487,7 @@ impl eframe::App for Shell {
 /// Key in the store; its number grows when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
 
-/// The saved preferences, as they are read.
+/// The saved preferences.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     options: ViewOptions,
@@ -499,15 +498,6 @@ struct Saved {
     /// Default mountings of the recorders.
     #[serde(default)]
     mountings: Mountings,
-}
-
-#[derive(Serialize)]
-struct SavedWindow<'a> {
-    options: &'a ViewOptions,
-    layout: &'a Layout,
-    recent: &'a [PathBuf],
-    base_map: Option<&'a Path>,
-    mountings: &'a Mountings,
 }
 
 impl Shell {
