@@ -106,7 +106,7 @@ impl Studio {
         pixels_per_point: f32,
         progress: &Progress,
     ) -> Result<RgbaImage, PictureError> {
-        let mut reel = self.sized(size, pixels_per_point)?;
+        let mut reel = self.reel(size, pixels_per_point)?;
         reel.settle(shell, STILL, progress)?;
         reel.read_back()
     }
@@ -115,11 +115,7 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
-        self.sized(size, 1.0)
-    }
-
-    fn sized(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Reel, PictureError> {
+    pub(crate) fn reel(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Reel, PictureError> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
             return Err(PictureError::Size { size, largest });
