@@ -1,9 +1,9 @@
 //! Draws the object that the selected box shows, with the pictures of all its boxes side by side.
 
 use super::super::parts::{fact, remark};
-use super::{button, size};
+use super::{buttons, size};
 use crate::app::{Action, App, Command, LogBox, Object};
-use crate::ui::views::chip::{self, BoxChip};
+use crate::ui::views::chip::{self, BoxChip, Chips};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
@@ -14,61 +14,44 @@ const PICTURE_HEIGHT: f32 = 110.0;
 /// Greatest number of pictures of an object; the remaining boxes are counted.
 const MOST_PICTURES: usize = 24;
 
-/// The pictures of the boxes that show the selected object.
-#[derive(Default)]
-pub(super) struct ObjectPictures {
-    chips: chip::Chips,
+/// Draws the facts of the object of the selected box, the pictures of its boxes, and the buttons
+/// that decide about it.
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, chips: &mut Chips) {
+    let Some(object) = context.app.selected_object().cloned() else {
+        return;
+    };
+    facts(ui, context, &object);
+    if object.boxes.len() > 1 {
+        pictures(ui, context, chips, &object);
+        let named = [
+            (Action::AcceptObject, "Accept all"),
+            (Action::RejectObject, "Reject all"),
+            (Action::UndecideObject, "Undecide all"),
+            (Action::NextSighting, "Next sighting"),
+        ];
+        buttons(ui, context, &named);
+    }
+    ui.add_space(4.0);
 }
 
-impl ObjectPictures {
-    /// Returns true if the pictures show the present selected object.
-    pub(super) fn is_settled(&self) -> bool {
-        !self.chips.is_running()
-    }
-
-    /// Draws the facts of the object of the selected box, and the buttons that decide about it.
-    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let Some(object) = context.app.selected_object().cloned() else {
-            return;
-        };
-        facts(ui, context, &object);
-        if object.boxes.len() > 1 {
-            self.pictures(ui, context, &object);
-            ui.horizontal_wrapped(|ui| {
-                for named in [
-                    (Action::AcceptObject, "Accept all"),
-                    (Action::RejectObject, "Reject all"),
-                    (Action::UndecideObject, "Undecide all"),
-                    (Action::NextSighting, "Next sighting"),
-                ] {
-                    button(ui, context, named);
-                }
-            });
-        }
-        ui.add_space(4.0);
-    }
-
-    fn pictures(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, object: &Object) {
-        let app = context.app;
-        let shown = object.boxes.iter().take(MOST_PICTURES);
-        let boxes = shown.filter_map(|id| chip::wanted(app, *id)).collect();
-        chip::ask(&mut self.chips, boxes, app, ui.ctx());
-        let made = self.chips.result().map_or(&[][..], Vec::as_slice);
-        let strip = ScrollArea::horizontal()
-            .id_salt(("sightings", object.number))
-            .auto_shrink([false, true]);
-        strip.show(ui, |ui| {
-            ui.horizontal(|ui| {
-                for ((id, _), chip) in made.iter().filter(|((id, _), _)| object.boxes.contains(id))
-                {
-                    context.commands.extend(sighting(ui, app, *id, chip));
-                }
-            });
+fn pictures(ui: &mut Ui, context: &mut ViewContext<'_>, chips: &mut Chips, object: &Object) {
+    let app = context.app;
+    let shown = object.boxes.iter().take(MOST_PICTURES);
+    let boxes = shown.filter_map(|id| chip::wanted(app, *id)).collect();
+    chip::ask(chips, boxes, app, ui.ctx());
+    let made = chips.result().map_or(&[][..], Vec::as_slice);
+    let strip =
+        ScrollArea::horizontal().id_salt(("sightings", object.number)).auto_shrink([false, true]);
+    strip.show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for ((id, _), chip) in made.iter().filter(|((id, _), _)| object.boxes.contains(id)) {
+                context.commands.extend(sighting(ui, app, *id, chip));
+            }
         });
-        let more = object.boxes.len().saturating_sub(MOST_PICTURES);
-        if more > 0 {
-            remark(ui, format!("and {} more", text::count(more)));
-        }
+    });
+    let more = object.boxes.len().saturating_sub(MOST_PICTURES);
+    if more > 0 {
+        remark(ui, format!("and {} more", text::count(more)));
     }
 }
 

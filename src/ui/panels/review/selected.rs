@@ -1,7 +1,7 @@
 //! Draws the selected box: picture, decision, class, and facts.
 
 use super::super::parts::{fact, remark, within};
-use super::{ReviewPanel, button, size};
+use super::{ReviewPanel, buttons, size};
 use crate::app::{Action, LogBox, Tool};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, place, theme};
@@ -80,33 +80,23 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
 
 fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, review_box: &Reviewed) {
     let tool = context.app.logs.shown.reviewing.tool;
-    ui.horizontal_wrapped(|ui| {
-        for named in [
-            (Action::AcceptBox, "Accept"),
-            (Action::RejectBox, "Reject"),
-            (Action::PreviousBox, "Previous"),
-            (Action::NextBox, "Next"),
-        ] {
-            button(ui, context, named);
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
-        let draws = if tool == Tool::Draw { "Keep undecided" } else { "New box" };
-        // A box that was drawn by hand has no undecided state to return to.
-        let back = match review_box.model {
-            Some(_) => (Action::UndecideBox, "Undecide"),
-            None => (Action::RemoveBox, "Remove"),
-        };
-        for named in [
-            back,
-            (Action::EditBox, edits),
-            (Action::SwapSide, "Swap side"),
-            (Action::NewBox, draws),
-        ] {
-            button(ui, context, named);
-        }
-    });
+    let named = [
+        (Action::AcceptBox, "Accept"),
+        (Action::RejectBox, "Reject"),
+        (Action::PreviousBox, "Previous"),
+        (Action::NextBox, "Next"),
+    ];
+    buttons(ui, context, &named);
+    let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
+    let draws = if tool == Tool::Draw { "Keep undecided" } else { "New box" };
+    // A box that was drawn by hand has no undecided state to return to.
+    let back = match review_box.model {
+        Some(_) => (Action::UndecideBox, "Undecide"),
+        None => (Action::RemoveBox, "Remove"),
+    };
+    let named =
+        [back, (Action::EditBox, edits), (Action::SwapSide, "Swap side"), (Action::NewBox, draws)];
+    buttons(ui, context, &named);
 }
 
 fn facts(ui: &mut Ui, context: &ViewContext<'_>, review_box: &Reviewed) {
