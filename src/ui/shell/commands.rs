@@ -86,7 +86,7 @@ impl Shell {
             WindowAction::SaveReview => self.save_review(),
             WindowAction::ExportBoxes => self.export_boxes(),
             WindowAction::History => self.history.open = !self.history.open,
-            WindowAction::Notices => self.notices.open = !self.notices.open,
+            WindowAction::Notices => self.shows_notices = !self.shows_notices,
             WindowAction::Palette => self.palette.open(),
             WindowAction::Manual => self.manual.open = !self.manual.open,
             WindowAction::Focus(view) => {

@@ -30,7 +30,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, LayerId, Panel, Rect, Response, Ui};
 use export::ExportDialog;
 use layout::Layout;
-use lists::{HistoryList, NoticeList};
+use lists::HistoryList;
 use manual::Manual;
 use palette::CommandPalette;
 use play::Play;
@@ -136,7 +136,8 @@ pub struct Shell {
     export: ExportDialog,
     manual: Manual,
     history: HistoryList,
-    notices: NoticeList,
+    /// True if the list of all notices is shown.
+    shows_notices: bool,
     alone: Option<Alone>,
     /// Text around the view on a print; `None` without a print.
     text_around: Option<PrintText>,
@@ -171,7 +172,7 @@ impl Shell {
             export: ExportDialog::default(),
             manual: Manual::default(),
             history: HistoryList::default(),
-            notices: NoticeList::default(),
+            shows_notices: false,
             alone: None,
             text_around: None,
             started: false,
@@ -408,7 +409,7 @@ impl Shell {
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
-        self.notices.ui(ui.ctx(), &mut context);
+        lists::all_notices(ui.ctx(), &mut context, &mut self.shows_notices);
         self.dialogs.ui(ui.ctx(), &mut context);
         input::drop_overlay(ui);
         let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
