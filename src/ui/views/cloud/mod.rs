@@ -266,9 +266,7 @@ impl CloudView {
         self.camera = Some(camera);
         camera
     }
-}
 
-impl CloudView {
     /// Moves the camera with the cloud when its box or its origin has changed: after a change of
     /// preset the cloud may have another size and another place. A camera that the user has not
     /// moved shows all of the cloud again.
