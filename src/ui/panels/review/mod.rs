@@ -5,7 +5,6 @@
 //! The panel reads the state of the app, draws controls and pictures of boxes, and sends commands.
 
 mod judged;
-mod object;
 mod queue;
 mod selected;
 mod texts;
@@ -62,7 +61,7 @@ impl ReviewPanel {
                 warning(ui, context, &note);
             }
             within(ui, |ui| self.selected(ui, context));
-            within(ui, |ui| object::ui(ui, context, &mut self.sightings));
+            within(ui, |ui| selected::object(ui, context, &mut self.sightings));
             within(ui, |ui| judged::at_slider(ui, context));
             queue::ui(ui, context);
             objects(ui, context);
