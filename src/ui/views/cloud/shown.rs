@@ -131,9 +131,8 @@ struct Renderers {
 /// GPU objects of one cloud view.
 #[derive(Default)]
 pub(super) struct CloudPicture {
-    picture: ViewTexture,
+    picture: ViewTexture<CloudDrawing>,
     renderers: Option<Renderers>,
-    drawn: Option<CloudDrawing>,
 }
 
 impl CloudPicture {
@@ -145,18 +144,13 @@ impl CloudPicture {
         state: &RenderState,
         drawing: CloudDrawing,
     ) {
-        let is_new = self.picture.resize(state, rect, painter.pixels_per_point());
-        if (is_new || self.drawn.as_ref() != Some(&drawing))
-            && let Some(target) = self.picture.target()
-        {
-            let renderers = self.renderers.get_or_insert_with(|| Renderers {
-                bottom: BottomRenderer::new(&state.device),
-                points: CloudRenderer::new(&state.device),
-            });
-            renderers.draw(state, target, &drawing);
-            self.drawn = Some(drawing);
-        }
-        self.picture.paint(painter, rect, state);
+        let renderers = self.renderers.get_or_insert_with(|| Renderers {
+            bottom: BottomRenderer::new(&state.device),
+            points: CloudRenderer::new(&state.device),
+        });
+        self.picture.show(painter, rect, state, drawing, |target, drawing| {
+            renderers.draw(state, target, drawing);
+        });
     }
 }
 
