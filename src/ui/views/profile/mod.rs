@@ -7,7 +7,7 @@ mod curve;
 
 use crate::app::{Command, LogPlace, ViewOptions};
 use crate::ui::flat::{self, RasterTexture};
-use crate::ui::{ViewContext, place, theme};
+use crate::ui::{OwnHover, ViewContext, place, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
@@ -27,7 +27,7 @@ pub struct ProfileView {
     /// Enlargement about the nadir; 1 shows the whole range.
     zoom: f32,
     drags_threshold: bool,
-    was_over: bool,
+    hover: OwnHover,
     /// The image of the curves on the screen.
     curves: Option<RasterTexture>,
 }
@@ -38,7 +38,7 @@ impl Default for ProfileView {
             scale: ScaleJob::default(),
             zoom: 1.0,
             drags_threshold: false,
-            was_over: false,
+            hover: OwnHover::default(),
             curves: None,
         }
     }
@@ -157,20 +157,11 @@ impl ProfileView {
         context: &mut ViewContext<'_>,
     ) {
         let at = response.hover_pos().filter(|at| plot.area.contains(*at));
-        match at {
-            Some(at) => {
-                let mark = mark_at(shown, plot.across_m(at.x));
-                if context.app.view.hover != Some(mark) {
-                    context.push(Command::Hover(Some(mark)));
-                }
-                if response.clicked() {
-                    context.push(Command::Select(Some(mark)));
-                }
-            }
-            None if self.was_over => context.push(Command::Hover(None)),
-            None => {}
+        let mark = at.map(|at| mark_at(shown, plot.across_m(at.x)));
+        self.hover.tell(context, mark);
+        if mark.is_some() && response.clicked() {
+            context.push(Command::Select(mark));
         }
-        self.was_over = at.is_some();
     }
 }
 
