@@ -243,7 +243,7 @@ impl MapView {
         let by_log = context.options().map.track_by_log;
         let logs = context.app.logs.with_results();
         let range_m = context.app.logs.depth_range_m();
-        let key = TrackKey::of(&logs, range_m, by_log);
+        let key = track::key(&logs, range_m, by_log);
         let tracked = logs.clone();
         self.track.ask(key, context.app.jobs.workers(), move |progress| {
             let track = TrackLayer::new(&tracked, range_m, by_log, uploader.as_ref(), progress);

@@ -97,7 +97,7 @@ impl Layers {
         }
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.options().clone());
-            let key = PointKey::of(&logs, &options);
+            let key = dots::point_key(&logs, &options);
             self.points.ask(key, context.app.jobs.workers(), move |progress| {
                 dots::point_source(&logs, &options, progress)
             });

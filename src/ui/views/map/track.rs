@@ -26,37 +26,23 @@ const BREAK_S: f64 = 10.0;
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
 /// Inputs of the tracks of some logs; equal keys give equal tracks.
-#[derive(PartialEq)]
-pub(super) struct TrackKey {
-    logs: Vec<LayerLogKey>,
-    range_m: Option<[f32; 2]>,
-    by_log: bool,
-}
+pub(super) type TrackKey = (Vec<LogTrackKey>, Option<[f32; 2]>, bool);
 
-#[derive(PartialEq)]
-struct LayerLogKey {
-    id: LogId,
-    colour: [u8; 3],
-    survey: Same<Survey>,
-    navigation: Same<Navigation>,
-    depths: Same<Vec<PingDepth>>,
-    correction: Arc<Correction>,
-}
+/// Inputs of the track of a log: the log and its colour, and what the track is made from.
+type LogTrackKey =
+    ((LogId, [u8; 3]), Same<Survey>, Same<Navigation>, Same<Vec<PingDepth>>, Arc<Correction>);
 
-impl TrackKey {
-    /// Creates the key of these logs with a colour scale between two depths, metres; `by_log`
-    /// colours by log instead of depth.
-    pub(super) fn of(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
-        let key = |shown: &VisibleLog| LayerLogKey {
-            id: shown.id,
-            colour: shown.colour,
-            survey: Same(shown.log.survey.clone()),
-            navigation: Same(shown.log.products.navigation.clone()),
-            depths: Same(shown.log.products.depths.clone()),
-            correction: shown.log.products.correction.clone(),
-        };
-        Self { logs: logs.iter().map(key).collect(), range_m, by_log }
-    }
+/// Returns the key of these logs with a colour scale between two depths, metres; `by_log` colours
+/// by log instead of depth.
+pub(super) fn key(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> TrackKey {
+    let key = |shown: &VisibleLog| {
+        let products = &shown.log.products;
+        let navigation = Same(products.navigation.clone());
+        let depths = Same(products.depths.clone());
+        let survey = Same(shown.log.survey.clone());
+        ((shown.id, shown.colour), survey, navigation, depths, products.correction.clone())
+    };
+    (logs.iter().map(key).collect(), range_m, by_log)
 }
 
 /// The tracks of all logs, ready to draw and to search.
