@@ -8,7 +8,7 @@
 
 use super::flat::{self, FlatPicture};
 use super::offscreen::{draw_shapes, upload_textures};
-use super::render::extent;
+use super::render::plain_texture;
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor};
 use egui::epaint::{ClippedShape, ImageDelta};
 use egui::{Color32, FullOutput, Pos2, Rect, Shape, TextureId};
@@ -101,16 +101,9 @@ impl FrameTarget {
 impl Kept {
     fn new(gpu: &RenderState, ground: FrameTarget) -> Self {
         let as_stored = gpu.target_format.remove_srgb_suffix();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window"),
-            size: extent(ground.size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: gpu.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[as_stored],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let (size, format) = (ground.size, gpu.target_format);
+        let texture = plain_texture(&gpu.device, size, format, usage, &[as_stored]);
         // Colours are copied as they are stored, without a way over linear ones.
         let stored = texture.create_view(&wgpu::TextureViewDescriptor {
             format: Some(as_stored),

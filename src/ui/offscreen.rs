@@ -3,7 +3,7 @@
 
 use super::Shell;
 use super::adapter::{self, block_on};
-use super::render::extent;
+use super::render::{extent, plain_texture};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_products::export::{ExportError, write_atomically};
 use eframe::egui_wgpu::{
@@ -159,16 +159,8 @@ impl Reel {
     fn new(gpu: RenderState, size: [u32; 2], pixels_per_point: f32) -> Self {
         let ctx = egui::Context::default();
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("offscreen picture"),
-            size: extent(size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: gpu.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let target = plain_texture(&gpu.device, size, gpu.target_format, usage, &[]);
         Self { gpu, ctx, target, size, pixels_per_point, frames: 0 }
     }
 

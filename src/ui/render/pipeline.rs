@@ -306,15 +306,17 @@ fn texture(
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::COPY_SRC;
-    plain_texture(device, size, format, usage).create_view(&Default::default())
+    plain_texture(device, size, format, usage, &[]).create_view(&Default::default())
 }
 
-/// Creates a texture of two dimensions and one level.
-pub(super) fn plain_texture(
+/// Creates a texture of two dimensions and one level, with views in its own format or in one of
+/// `view_formats`.
+pub(crate) fn plain_texture(
     device: &wgpu::Device,
     size: [u32; 2],
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
+    view_formats: &[wgpu::TextureFormat],
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),
@@ -324,7 +326,7 @@ pub(super) fn plain_texture(
         dimension: wgpu::TextureDimension::D2,
         format,
         usage,
-        view_formats: &[],
+        view_formats,
     })
 }
 

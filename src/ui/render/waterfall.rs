@@ -195,7 +195,7 @@ impl WaterfallPicture {
         texels: &[[u8; 2]],
     ) -> TileTexture {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-        let texture = plain_texture(device, size, wgpu::TextureFormat::Rg8Unorm, usage);
+        let texture = plain_texture(device, size, wgpu::TextureFormat::Rg8Unorm, usage, &[]);
         let bytes: &[u8] = bytemuck::cast_slice(texels);
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
