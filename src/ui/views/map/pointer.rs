@@ -107,7 +107,9 @@ impl MapPointer {
         let spot = stretches::under(scene, at);
         let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
         if is_calibrating || spot.is_some() {
-            let around = || context.app.logs.shown.stretch_around(own_ping(context.app, near)?);
+            let shown = &context.app.logs.shown;
+            let own = near.filter(|(log, _)| *log == shown.id);
+            let around = || own.and_then(|(_, ping)| shown.stretch_around(ping));
             let pings = spot.map(|(_, spot)| spot.range()).or_else(around);
             context.commands.extend(pings.map(Command::ProposeStretch));
             return;
@@ -222,11 +224,6 @@ fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> 
     let place = scene.transform.to_ground(scene.rect, at);
     let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
     scene.track.nearest_ping(place, reach_m, app.logs.shown.id)
-}
-
-/// Returns the ping if it is one of the log that the panels show.
-fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
-    near.filter(|(log, _)| *log == app.logs.shown.id).map(|(_, ping)| ping)
 }
 
 /// Names a ping, with the name of its log if more than one is open.

@@ -53,7 +53,7 @@ impl MeasureTool {
         self.tell_next(ui, context, next);
         let painter = ui.painter_at(scene.rect);
         if let Some(cross) = self.cross {
-            paint_cross(&painter, scene, cross);
+            measured::cross(&painter, scene.at(cross));
         }
         if let Some(shown) = &shown {
             paint_figure(&painter, scene, context.app, shown);
@@ -204,11 +204,6 @@ fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Mea
         let (shift, anchor) = legend::beside(*at, scene.rect, 10.0);
         legend::words(painter, scene.options, *at + shift, anchor, &words);
     }
-}
-
-/// Draws the cross that the arrow keys move.
-fn paint_cross(painter: &Painter, scene: &MapScene<'_>, place: [f64; 2]) {
-    measured::cross(painter, scene.at(place));
 }
 
 /// Draws the place of the line that is under the pointer in the plot.
