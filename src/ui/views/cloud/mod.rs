@@ -122,7 +122,7 @@ impl CloudView {
             return shown::name(&scene);
         };
         let uploader = Uploader::new(&state.device, &state.queue);
-        let bottom = self.bottom.of(context.app, scene.origin_m, &uploader).cloned();
+        let bottom = bottom::of(&mut self.bottom, context.app, scene.origin_m, &uploader).cloned();
         let shown = ShownCloud::new(&survey, &products, &scene, bottom.as_ref());
         let camera = self.navigate(ui, context, rect, response, shown.pick_scene());
         let axes = shown.axes(context.app, rect, camera.projection(aspect(rect)));

@@ -70,7 +70,7 @@ struct Found {
 impl ProfileView {
     /// Returns true if the curve is drawn at its final scale.
     pub fn is_settled(&self) -> bool {
-        self.scale.is_settled()
+        !self.scale.is_running()
     }
 
     /// Draws the profile of the hovered ping, or else the selected one.
@@ -92,7 +92,7 @@ impl ProfileView {
         let Some(shown) = shown(&survey, mark.ping, context) else {
             return empty(&painter, rect, &response, "no side-scan ping here");
         };
-        let normalisation = self.scale.of(context, &survey);
+        let normalisation = curve::normalisation(&mut self.scale, context, &survey);
         self.zoom_at(ui, &response);
         let plot = ProfilePlot::new(rect, far_m(&shown) / f64::from(self.zoom));
         let (options, curves) = (context.options(), &mut self.curves);
