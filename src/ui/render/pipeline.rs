@@ -149,13 +149,6 @@ pub struct Cut {
     pub at_m: f32,
 }
 
-impl Default for ScenePart {
-    /// Returns the whole scene.
-    fn default() -> Self {
-        Self::WHOLE
-    }
-}
-
 impl ScenePart {
     /// The whole scene.
     pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
