@@ -122,7 +122,7 @@ impl OpenLog {
     }
 
     /// Returns the recording and its last results; `None` without results.
-    pub(super) fn results(&self) -> Option<(&Arc<Survey>, &Products)> {
+    pub(crate) fn results(&self) -> Option<(&Arc<Survey>, &Products)> {
         self.survey.as_ref().zip(self.products.as_ref())
     }
 

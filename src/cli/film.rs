@@ -131,7 +131,7 @@ fn write(
     shell: &mut Shell,
     progress: &Progress,
 ) -> Result<(), Failure> {
-    let mut reel = studio.reel(size)?;
+    let mut reel = studio.reel(size, 1.0)?;
     progress.start(frames.count as u64);
     write_atomically(path, |file| {
         let mut film = AviWriter::new(BufWriter::new(file), size, fps)?;

@@ -55,11 +55,6 @@ impl FlatPicture {
         Self { binding: flat.bind_picture(&state.device, texture), drawing: None }
     }
 
-    /// Marks the content of the texture as new, so that the next shape gets a new callback.
-    fn has_changed(&mut self) {
-        self.drawing = None;
-    }
-
     /// Returns a shape that shows the picture in an area of its size, multiplied by a colour.
     pub(super) fn shape(&mut self, rect: Rect, tint: Color32, state: &RenderState) -> Shape {
         let before = self.drawing.take().filter(|(last, _)| *last == tint);
@@ -120,53 +115,50 @@ impl CallbackTrait for Flat {
     }
 }
 
-/// An offscreen picture shown in the window: a target that follows the size of a view.
-#[derive(Default)]
-pub(super) struct ViewTexture {
-    shown: Option<ShownTexture>,
+/// An offscreen picture shown in the window: a target that follows the size of a view, and what was
+/// drawn into it last.
+pub(super) struct ViewTexture<D> {
+    shown: Option<(RenderTarget, FlatPicture)>,
+    drawn: Option<D>,
 }
 
-struct ShownTexture {
-    target: RenderTarget,
-    picture: FlatPicture,
+impl<D> Default for ViewTexture<D> {
+    fn default() -> Self {
+        Self { shown: None, drawn: None }
+    }
 }
 
-impl ViewTexture {
-    /// Makes the target as large as `rect` on screen; returns true if the target is new and has to
-    /// be drawn.
-    pub(super) fn resize(
+impl<D: PartialEq> ViewTexture<D> {
+    /// Makes the target as large as `rect` on screen, draws into it if its size or the drawing has
+    /// changed, and shows it over what was drawn before, with the opacity of the painter.
+    pub(super) fn show(
         &mut self,
-        state: &RenderState,
+        painter: &Painter,
         rect: Rect,
-        pixels_per_point: f32,
-    ) -> bool {
-        let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
+        state: &RenderState,
+        drawing: D,
+        draw: impl FnOnce(&RenderTarget, &D),
+    ) {
+        let pixels_per_point = painter.pixels_per_point();
+        let rect = rect.round_to_pixels(pixels_per_point);
+        let size = rect.size() * pixels_per_point;
         let requested = [size.x.round() as u32, size.y.round() as u32];
-        let requested = RenderTarget::possible(&state.device, requested);
-        let now = self.shown.as_ref().map(|shown| shown.target.size_px());
-        if now == Some(requested) {
-            return false;
+        let size_px = RenderTarget::possible(&state.device, requested);
+        let before = self.shown.take().filter(|(target, _)| target.size_px() == size_px);
+        let is_new = before.is_none();
+        let (target, picture) = self.shown.insert(before.unwrap_or_else(|| {
+            let target = RenderTarget::new(&state.device, size_px);
+            let picture = FlatPicture::new(state, target.colour());
+            (target, picture)
+        }));
+        if is_new || self.drawn.as_ref() != Some(&drawing) {
+            // The content of the texture is new, so the next shape gets a new callback.
+            picture.drawing = None;
+            draw(target, &drawing);
+            self.drawn = Some(drawing);
         }
-        let target = RenderTarget::new(&state.device, requested);
-        self.shown =
-            Some(ShownTexture { picture: FlatPicture::new(state, target.colour()), target });
-        true
-    }
-
-    /// Returns the target to draw into, and marks the picture as changed.
-    pub(super) fn target(&mut self) -> Option<&RenderTarget> {
-        let shown = self.shown.as_mut()?;
-        shown.picture.has_changed();
-        Some(&shown.target)
-    }
-
-    /// Shows the picture over what was drawn before, with the opacity of the painter.
-    pub(super) fn paint(&mut self, painter: &Painter, rect: Rect, state: &RenderState) {
-        if let Some(shown) = &mut self.shown {
-            let rect = rect.round_to_pixels(painter.pixels_per_point());
-            let tint = Color32::WHITE.gamma_multiply(painter.opacity());
-            painter.add(shown.picture.shape(rect, tint, state));
-        }
+        let tint = Color32::WHITE.gamma_multiply(painter.opacity());
+        painter.add(picture.shape(rect, tint, state));
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::flat::{self, FlatPicture};
 use super::offscreen::{draw_shapes, upload_textures};
-use super::render::extent;
+use super::render::plain_texture;
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor};
 use egui::epaint::{ClippedShape, ImageDelta};
 use egui::{Color32, FullOutput, Pos2, Rect, Shape, TextureId};
@@ -101,16 +101,9 @@ impl FrameTarget {
 impl Kept {
     fn new(gpu: &RenderState, ground: FrameTarget) -> Self {
         let as_stored = gpu.target_format.remove_srgb_suffix();
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("window"),
-            size: extent(ground.size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: gpu.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[as_stored],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let (size, format) = (ground.size, gpu.target_format);
+        let texture = plain_texture(&gpu.device, size, format, usage, &[as_stored]);
         // Colours are copied as they are stored, without a way over linear ones.
         let stored = texture.create_view(&wgpu::TextureViewDescriptor {
             format: Some(as_stored),
@@ -233,8 +226,8 @@ fn changed(
     textures: &HashSet<TextureId>,
     pixels_per_point: f32,
 ) -> Vec<PixelArea> {
-    let mut areas = Areas::default();
-    let mut add = |shape: &ClippedShape| areas.add(covered(shape, pixels_per_point));
+    let mut areas = Vec::new();
+    let mut add = |shape: &ClippedShape| add(&mut areas, covered(shape, pixels_per_point));
     let [runs_before, runs_now] = [before, now].map(runs);
     let has_same_clip = |a: &&[ClippedShape], b: &&[ClippedShape]| a[0].clip_rect == b[0].clip_rect;
     let aligned = align(&runs_before, &runs_now, has_same_clip);
@@ -252,7 +245,7 @@ fn changed(
             }
         }
     }
-    areas.apart
+    areas
 }
 
 /// Shapes that follow each other with one clip rectangle.
@@ -300,25 +293,18 @@ fn reads(shape: &Shape, textures: &HashSet<TextureId>) -> bool {
     }
 }
 
-/// Areas none of which lies over another.
-#[derive(Default)]
-struct Areas {
-    apart: Vec<PixelArea>,
-}
-
-impl Areas {
-    fn add(&mut self, area: Option<PixelArea>) {
-        let Some(mut area) = area else {
-            return;
-        };
-        while let Some(near) = self.apart.iter().position(|other| other.joins(&area)) {
-            area = area.union(&self.apart.swap_remove(near));
-        }
-        self.apart.push(area);
-        if self.apart.len() > MOST_AREAS {
-            let whole = self.apart.drain(..).reduce(|a, b| a.union(&b));
-            self.apart.extend(whole);
-        }
+/// Adds an area to areas none of which lies over another.
+fn add(areas: &mut Vec<PixelArea>, area: Option<PixelArea>) {
+    let Some(mut area) = area else {
+        return;
+    };
+    while let Some(near) = areas.iter().position(|other| other.joins(&area)) {
+        area = area.union(&areas.swap_remove(near));
+    }
+    areas.push(area);
+    if areas.len() > MOST_AREAS {
+        let whole = areas.drain(..).reduce(|a, b| a.union(&b));
+        areas.extend(whole);
     }
 }
 
@@ -406,17 +392,17 @@ mod tests {
         fn many_areas_become_few_and_none_lies_over_another(
             corners in vec((0..1200, 0..700, 1..90, 1..90), 1..400),
         ) {
-            let mut areas = Areas::default();
+            let mut areas = Vec::new();
             let all: Vec<PixelArea> = (corners.into_iter())
                 .map(|(x, y, width, height)| PixelArea { min: [x, y], max: [x + width, y + height] })
                 .collect();
-            all.iter().for_each(|area| areas.add(Some(*area)));
-            prop_assert!(areas.apart.len() <= MOST_AREAS);
+            all.iter().for_each(|area| add(&mut areas, Some(*area)));
+            prop_assert!(areas.len() <= MOST_AREAS);
             let is_held =
-                |area: &PixelArea| areas.apart.iter().any(|kept| kept.union(area) == *kept);
+                |area: &PixelArea| areas.iter().any(|kept| kept.union(area) == *kept);
             prop_assert!(all.iter().all(is_held));
-            for (index, area) in areas.apart.iter().enumerate() {
-                prop_assert!(!areas.apart[..index].iter().any(|earlier| earlier.overlaps(area)));
+            for (index, area) in areas.iter().enumerate() {
+                prop_assert!(!areas[..index].iter().any(|earlier| earlier.overlaps(area)));
             }
         }
     }

@@ -11,7 +11,6 @@ mod panels;
 mod place;
 pub mod render;
 mod shell;
-mod stretch_text;
 pub(crate) mod theme;
 pub mod views;
 mod window;

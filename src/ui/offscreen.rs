@@ -3,7 +3,7 @@
 
 use super::Shell;
 use super::adapter::{self, block_on};
-use super::render::extent;
+use super::render::{extent, plain_texture};
 use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_products::export::{ExportError, write_atomically};
 use eframe::egui_wgpu::{
@@ -106,7 +106,7 @@ impl Studio {
         pixels_per_point: f32,
         progress: &Progress,
     ) -> Result<RgbaImage, PictureError> {
-        let mut reel = self.sized(size, pixels_per_point)?;
+        let mut reel = self.reel(size, pixels_per_point)?;
         reel.settle(shell, STILL, progress)?;
         reel.read_back()
     }
@@ -115,11 +115,7 @@ impl Studio {
     ///
     /// # Errors
     /// As [`Studio::draw`].
-    pub(crate) fn reel(&self, size: [u32; 2]) -> Result<Reel, PictureError> {
-        self.sized(size, 1.0)
-    }
-
-    fn sized(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Reel, PictureError> {
+    pub(crate) fn reel(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Reel, PictureError> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
             return Err(PictureError::Size { size, largest });
@@ -163,16 +159,8 @@ impl Reel {
     fn new(gpu: RenderState, size: [u32; 2], pixels_per_point: f32) -> Self {
         let ctx = egui::Context::default();
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
-        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("offscreen picture"),
-            size: extent(size),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: gpu.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let target = plain_texture(&gpu.device, size, gpu.target_format, usage, &[]);
         Self { gpu, ctx, target, size, pixels_per_point, frames: 0 }
     }
 

@@ -1,11 +1,17 @@
-//! Computes slant range, depth, heading and position of a mark.
+//! Computes slant range, depth, heading and position of a mark, and writes the texts about excluded
+//! and flat stretches, the same in all views and panels.
 
-use crate::app::{App, Enlarged, LogPlace, Reveal};
-use crate::ui::text;
+use crate::app::{
+    Action, App, Command, Enlarged, ExcludedExtent, ExclusionEdit, LogId, LogPlace, Reveal,
+};
+use crate::ui::{ViewContext, text};
+use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
 use bathyscope_bottom::cloud::Reduction;
+use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::support::geo::{LonLat, UtmZone, compass_deg};
 use bathyscope_log::survey::{HeadingSource, Side, SideSpan};
 use bathyscope_products::pipeline::Products;
+use egui::Ui;
 
 /// Returns the corrections that turn samples and recorded depths into metres, from the last
 /// results; without results, ranges and depths stay as recorded.
@@ -241,4 +247,101 @@ pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let altitude_m =
         if sounded_m > 0.0 { sounded_m } else { first_return_altitude_m(app, side, mark.ping)? };
     Some(across.ground_m(altitude_m, slant_m))
+}
+
+/// Formats an extent as `412 pings · 512 m · 1:02`.
+pub(super) fn stretch_extent(extent: &ExcludedExtent, units: Units) -> String {
+    let way = units.way(extent.length_m);
+    let lasts = text::duration(extent.duration_s);
+    match extent.pings {
+        0 => format!("{way} · {lasts}"),
+        pings => format!("{} · {way} · {lasts}", text::plural(pings, "ping", "pings")),
+    }
+}
+
+/// Describes the effect of a drag with the tool on the stretch that it covers.
+pub(super) fn drag_effect(edit: ExclusionEdit, covered: &ExcludedExtent, units: Units) -> String {
+    let what = match edit {
+        ExclusionEdit::Exclude => "exclude",
+        ExclusionEdit::Include => "include again",
+        ExclusionEdit::Trust => "trust the soundings of",
+        ExclusionEdit::Reset => "reset",
+    };
+    format!("{what} {}", stretch_extent(covered, units))
+}
+
+/// Returns the reason why a ping is excluded, as `excluded: turn`; `None` where it is not excluded.
+pub(super) fn excluded_at(app: &App, log: LogId, ping: usize) -> Option<String> {
+    let stretch = app.logs.excluded_at(log, ping)?;
+    Some(format!("excluded: {}", stretch.reason.name()))
+}
+
+/// Includes the excluded stretch at a ping again, if there is one.
+pub(super) fn include_again(context: &mut ViewContext<'_>, log: LogId, ping: usize) {
+    if let Some(stretch) = context.app.logs.excluded_at(log, ping) {
+        let (part, edit) = (stretch.part(), ExclusionEdit::Include);
+        context.push(Command::Exclude { log, part, edit });
+    }
+}
+
+/// Adds to a view's menu an entry that includes the excluded stretch at a ping again, if there is
+/// one.
+pub(super) fn include_entry(ui: &mut Ui, context: &mut ViewContext<'_>, log: LogId, ping: usize) {
+    let Some(stretch) = context.app.logs.excluded_at(log, ping) else {
+        return;
+    };
+    let hint = format!("Excluded: {}.", stretch.reason.name());
+    if ui.button(Action::IncludeAgain.label()).on_hover_text(hint).clicked() {
+        include_again(context, log, ping);
+        ui.close();
+    }
+}
+
+/// Returns the number of excluded stretches of the shown log, after a comma; empty if there are
+/// none.
+pub(super) fn and_stretches(app: &App) -> String {
+    let found = app.logs.shown.exclusions();
+    let count = found.map_or(0, |found| found.exclusions.stretches.len());
+    match count {
+        0 => String::new(),
+        count => format!(", {} excluded", text::plural(count, "stretch", "stretches")),
+    }
+}
+
+/// Describes a flat stretch as `10 m, relief 4 cm, ±1.2 %`.
+pub(super) fn stretch_brief(spot: &FlatSpot, units: Units) -> String {
+    let length = units.measure(spot.length_m, 0);
+    let relief = stretch_relief(spot, units);
+    match stretch_spread(spot) {
+        Some(spread) => format!("{length}, relief {relief}, {spread}"),
+        None => format!("{length}, relief {relief}, no scale"),
+    }
+}
+
+/// Formats the spread of the scale of single pings as `±1.2 %`; `None` if it is unknown.
+pub(super) fn stretch_spread(spot: &FlatSpot) -> Option<String> {
+    Some(format!("±{:.1} %", 100.0 * spot.spread()?))
+}
+
+/// Formats the factor on the recorded range as `×0.949`; `None` if it is unknown.
+pub(super) fn stretch_factor(spot: &FlatSpot) -> Option<String> {
+    Some(format!("×{:.3}", spot.factor?))
+}
+
+/// Formats the relief as `4 cm`; a dash if it is unknown.
+pub(super) fn stretch_relief(spot: &FlatSpot, units: Units) -> String {
+    let written = units.small_difference(spot.relief_m);
+    if spot.relief_m.is_finite() {
+        written.trim_start_matches('+').to_owned()
+    } else {
+        text::NONE.to_owned()
+    }
+}
+
+/// Returns the name of the stretch that the calibration was measured on.
+pub(super) fn calibrated_name(mode: ScaleMode) -> &'static str {
+    match mode {
+        ScaleMode::FlatSpot => "scale from here",
+        ScaleMode::Header => "flat stretch, not in use",
+    }
 }

@@ -8,7 +8,7 @@ use super::parts::{self, PlotAxes, fact, setting};
 use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Command, LogPlace, Tool, ViewOptions};
 use crate::ui::controls::{self, ListKeys};
-use crate::ui::{ViewContext, stretch_text, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::calibration::{
     Calibration, FlatSpot, PingRange, RangeAtDepth, Scale, ScaleMode,
 };
@@ -128,7 +128,7 @@ fn in_use(ui: &mut Ui, calibration: &Calibration, source: RangeSource, units: Un
 /// Describes the correction of the ranges: factor or offset.
 fn ranges(calibration: &Calibration, source: RangeSource, units: Units) -> String {
     let ranges = if source == RangeSource::Estimated { "estimated" } else { "recorded" };
-    let factor = calibration.flat_spot.as_ref().and_then(stretch_text::factor);
+    let factor = calibration.flat_spot.as_ref().and_then(place::stretch_factor);
     match (calibration.mode, factor, calibration.offset_note) {
         (ScaleMode::FlatSpot, Some(factor), _) => format!("{ranges} range {factor}"),
         (_, _, Some(note)) => format!("as {ranges}; offset: {}", units.sentence(note)),
@@ -192,13 +192,13 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>, products: &Products, trial: &Sc
     let spot = &trial.spot;
     let length = units.measure(spot.length_m, 1);
     let depth = units.measure(spot.depth_m, 2);
-    let relief = stretch_text::relief(spot, units);
+    let relief = place::stretch_relief(spot, units);
     let place = format!("{length} long, {depth} deep, relief {relief}");
     parts::remark(ui, place);
     for text in &trial.objections {
         parts::warning(ui, context, &units.sentence(text));
     }
-    let (Some(factor), Some(spread)) = (stretch_text::factor(spot), stretch_text::spread(spot))
+    let (Some(factor), Some(spread)) = (place::stretch_factor(spot), place::stretch_spread(spot))
     else {
         return;
     };
@@ -438,18 +438,18 @@ fn candidate(
     let units = context.units();
     let objections = spot.objections(survey, spots.first());
     let range = spot.range();
-    let factor = stretch_text::factor(spot);
+    let factor = place::stretch_factor(spot);
     let cells = [
         rank.to_string(),
         range.start.to_string(),
         units.measure(spot.length_m, 0),
-        stretch_text::relief(spot, units),
+        place::stretch_relief(spot, units),
         factor.unwrap_or_else(|| "none".to_owned()),
-        stretch_text::spread(spot).unwrap_or_default(),
+        place::stretch_spread(spot).unwrap_or_default(),
     ];
     let is_proposed = context.app.logs.shown.proposed_stretch() == Some(range);
     let worse = objections.first().map(|why| units.sentence(why));
-    let brief = || stretch_text::brief(spot, units);
+    let brief = || place::stretch_brief(spot, units);
     let words = worse.as_ref().map_or_else(brief, |why| format!("worse: {why}"));
     let (PingRange { start, end }, depth) = (range, units.measure(spot.depth_m, 2));
     let name = format!("Flat stretch {rank}, pings {start}..{end}, {depth} deep, {words}");

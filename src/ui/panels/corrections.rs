@@ -1,14 +1,16 @@
-//! Draws the sections that correct the recording: the depths, by water and transducer, and the
-//! positions, by another receiver's track and by shifts and latencies.
+//! Draws the sections that correct the recording: the depths, by water and transducer, the
+//! positions, by another receiver's track and by shifts and latencies, and the mounting.
 
-use super::parts::{self, fact, name_of, press, press_short, remark, setting};
+use super::find_setting;
+use super::parts::{self, fact, name_cell, name_of, press, press_short, remark, setting, warning};
 use super::section::{Section, section};
-use crate::app::{Action, App, FoundPositions, JobKey};
+use crate::app::{Action, App, Command, FoundPositions, JobKey};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
+use bathyscope_log::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
 use bathyscope_products::pipeline::Stage;
-use bathyscope_products::pipeline::settings::rows;
-use egui::{RichText, Ui};
+use bathyscope_products::pipeline::settings::{ControlValue, rows};
+use egui::{RichText, TextEdit, Ui};
 
 /// Initial temperature of the slider, °C: typical of a lake in spring and autumn.
 const USUAL_C: f64 = 12.0;
@@ -20,10 +22,10 @@ pub(super) fn depths(ui: &mut Ui, context: &mut ViewContext<'_>) {
         sound_speed(ui, context);
         if let Some(products) = &context.app.logs.shown.products {
             if let Some(text) = products.correction.gap_warning() {
-                parts::warning(ui, context, &context.units().sentence(&text));
+                warning(ui, context, &context.units().sentence(&text));
             }
             for sentence in products.correction.sentences() {
-                parts::remark(ui, context.units().sentence(&sentence));
+                remark(ui, context.units().sentence(&sentence));
             }
         }
     });
@@ -152,4 +154,178 @@ fn values(app: &App, found: &FoundShift) -> [String; 5] {
         of(error_s, &|| format!("{:+.2}", shift_m.latency_s)),
         of(error_s, &|| format!("{error_s:.2}")),
     ]
+}
+
+/// Draws the section of the mounting of the recorder on its boat, its default, the coordinate system
+/// of positions in metres, and the shown frequency.
+pub(super) fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    section(ui, context, Section::new("Mounting").of(Stage::Navigation), |ui, context| {
+        let Some(survey) = context.app.logs.shown.survey.clone() else {
+            return;
+        };
+        parts::settings_of(ui, context, "Mounting");
+        effect(ui, context, &survey);
+        by_crossings(ui, context);
+        sounding_lag(ui, context);
+        usual(ui, context);
+        if survey.track.projected.is_some() {
+            system(ui, context, &survey);
+        }
+        if !survey.pairs.is_empty() {
+            frequency(ui, context, &survey);
+        }
+    });
+}
+
+/// Draws the effect of the settings, and a warning for each setting without effect.
+fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    let settings = &context.app.logs.shown.settings;
+    let mounting = &settings.mounting;
+    if let Some(arm_m) = mounting.lever_arm_m() {
+        let units = context.units();
+        let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
+        remark(ui, format!("The transducer is {arm} of the antenna."));
+    }
+    if mounting.heading_offset_deg != 0.0 && settings.heading.source != HeadingSource::Compass {
+        let text = "Headings do not come from the compass, so its offset has no effect.";
+        warning(ui, context, text);
+    }
+    if mounting.clock_offset_s != 0.0 && survey.start_unix_s.is_none() {
+        let text = "The log has no clock times, so a clock offset has no effect.";
+        warning(ui, context, text);
+    }
+}
+
+/// Draws the warnings about positions and depths that follow from the track's crossings with
+/// itself.
+fn by_crossings(ui: &mut Ui, context: &ViewContext<'_>) {
+    let Some(products) = &context.app.logs.shown.products else {
+        return;
+    };
+    let warnings = [products.latency_warning(), products.repeatability_warning()];
+    for text in warnings.into_iter().flatten() {
+        warning(ui, context, &context.units().sentence(&text));
+    }
+}
+
+/// Draws the lag of the soundings that first returns show, with the button that applies it.
+fn sounding_lag(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let Some((lag, _)) = context.app.logs.shown.sounding_lag() else {
+        return;
+    };
+    let text = format!(
+        "Soundings are late by {:.2} ± {:.2} s, as first returns over slopes show.",
+        lag.lag_s, lag.standard_error_s
+    );
+    warning(ui, context, &text);
+    context.named_button(ui.small_button("Apply the lag"), Action::ApplySoundingLag);
+}
+
+/// States whether the mounting is the default of the recorder, and draws the actions that change
+/// this.
+fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let recorder = app.logs.shown.recorder();
+    let mounting = app.logs.shown.settings.mounting;
+    let (said, actions): (_, &[Action]) = match app.usual_mounting() {
+        Some(usual) if usual == mounting => {
+            (format!("From the default of {recorder}."), &[Action::ForgetMounting])
+        }
+        Some(_) => (
+            format!("Not the default of {recorder}."),
+            &[Action::UseMounting, Action::ForgetMounting],
+        ),
+        None if mounting == MountingSettings::default() => {
+            (format!("Recorder: {recorder}. It has no default."), &[])
+        }
+        None => (format!("Of this log alone. Recorder: {recorder}."), &[Action::UseMounting]),
+    };
+    remark(ui, said);
+    if actions.is_empty() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        for &action in actions {
+            let label = match action {
+                Action::UseMounting => "Make default",
+                _ => "Remove default",
+            };
+            context.named_button(ui.small_button(label), action);
+        }
+    });
+}
+
+/// Draws the field for the coordinate system of positions in metres.
+fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
+    let row = &rows::SOURCE_CRS;
+    let in_force = context.app.logs.shown.settings.source.crs.map(String::from);
+    let in_force = in_force.unwrap_or_default();
+    let typed = egui::Id::unique(("system of the log's metres", context.app.view.survey_serial));
+    let mut text =
+        ui.data(|data| data.get_temp::<String>(typed)).unwrap_or_else(|| in_force.clone());
+    let field = ui
+        .horizontal(|ui| {
+            let label = name_cell(ui, row.label, row.hint);
+            let field = TextEdit::singleline(&mut text)
+                .hint_text("EPSG:32633")
+                .desired_width(f32::INFINITY);
+            let field = ui.add(field).labelled_by(label.id).on_hover_text(row.hint);
+            find_setting::answer(ui, context, row.key, &field);
+            field
+        })
+        .inner;
+    if field.changed() {
+        ui.data_mut(|data| data.insert_temp(typed, text.clone()));
+    }
+    if field.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(typed));
+        take_system(context, text.trim(), &in_force);
+    }
+    let projected = survey.track.projected.as_ref();
+    match projected.and_then(|projected| projected.system.as_ref()) {
+        Some(system) => remark(ui, format!("Positions are metres of {system}.")),
+        None => warning(
+            ui,
+            context,
+            "The log does not name the system of its positions, so they are drawn at longitude 0, latitude 0. Enter its EPSG number.",
+        ),
+    }
+}
+
+/// Draws the choice of the pair of side-scan channels that is shown.
+fn frequency(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
+    let row = &rows::SOURCE_FREQUENCY;
+    ui.horizontal_wrapped(|ui| {
+        name_cell(ui, row.label, row.hint);
+        let mut pairs: Vec<(usize, &SidePair)> = survey.pairs.iter().enumerate().collect();
+        pairs.sort_by(|(_, a), (_, b)| a.name.cmp(&b.name));
+        for (index, pair) in pairs {
+            let is_shown = index == 0;
+            let khz = pair.frequency_khz.map(f64::from);
+            let button = ui.add_enabled_ui(khz.is_some(), |ui| {
+                ui.selectable_label(is_shown, pair.summary()).on_hover_text(row.hint)
+            });
+            if button.inner.clicked() && !is_shown {
+                context.set(row, ControlValue::Number(khz), false);
+            }
+        }
+    });
+}
+
+/// Sets the typed coordinate system; a number alone is an EPSG code.
+fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
+    if typed == in_force {
+        return;
+    }
+    let row = &rows::SOURCE_CRS;
+    if typed.is_empty() {
+        return context.change(row.name, |settings| settings.source.crs = None);
+    }
+    let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
+    let named = if is_number { format!("EPSG:{typed}") } else { typed.to_owned() };
+    let assignment = format!("{}={named}", row.key);
+    match context.app.logs.shown.settings.with_assignment(&assignment) {
+        Ok(named) => context.change(row.name, |settings| *settings = named),
+        Err(error) => context.push(Command::Notify(error.to_string())),
+    }
 }

@@ -5,7 +5,7 @@ use super::parts::{remark, setting, warning};
 use super::section::{Section, section};
 use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, LogPlace, OpenLog, Tool};
 use crate::ui::controls::ListKeys;
-use crate::ui::{ViewContext, stretch_text, text};
+use crate::ui::{ViewContext, place, text};
 use bathyscope_log::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
 use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::rows;
@@ -62,7 +62,7 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundExclusions) {
         let extent = found.extent(Some(reason));
         if extent.stretches > 0 {
             let what = text::plural(extent.stretches, one, many);
-            let extent = stretch_text::extent(&extent, units);
+            let extent = place::stretch_extent(&extent, units);
             ui.label(format!("{what}: {extent}"));
         }
     }

@@ -6,7 +6,7 @@ use super::parts::{self, fact, name_of, press, remark, warning};
 use super::section::{Section, section};
 use crate::app::{Action, App, Command, JobKey, OpenLog};
 use crate::ui::controls::{self, DropDown, ListKeys};
-use crate::ui::{ViewContext, stretch_text, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::presentation::units::Units;
 use egui::{Button, RichText, Sense, Ui};
 
@@ -122,7 +122,7 @@ fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     let depths = log.depth_span_m.map(|span_m| units.span(span_m.map(f64::from), 1));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
     if let Some(found) = log.exclusions().filter(|found| !found.exclusions.is_empty()) {
-        let extent = stretch_text::extent(&found.extent(None), units);
+        let extent = place::stretch_extent(&found.extent(None), units);
         fact(ui, "Excluded", "", extent);
     }
     for file in &survey.source.files {

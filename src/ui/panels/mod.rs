@@ -8,7 +8,6 @@ pub(super) mod find_setting;
 pub(super) mod first_return;
 pub(super) mod logs;
 pub(super) mod maps;
-pub(super) mod mounting;
 pub(in crate::ui) mod parts;
 pub(super) mod plan;
 pub(super) mod residuals;
@@ -45,7 +44,7 @@ pub(super) fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     maps::products(ui, context);
     corrections::depths(ui, context);
     corrections::positions(ui, context);
-    mounting::ui(ui, context);
+    corrections::mounting(ui, context);
     exclusions::ui(ui, context);
     residuals::ui(ui, context);
 }

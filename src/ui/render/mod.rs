@@ -25,4 +25,5 @@ pub use flat::Rgba;
 pub use lod::Vertex;
 pub(crate) use lod::{LinePyramid, Specks};
 pub(crate) use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
+pub(crate) use pipeline::plain_texture;
 pub use pipeline::{Cut, RenderTarget, ScenePart, Uploader, extent};

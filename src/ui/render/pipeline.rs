@@ -149,13 +149,6 @@ pub struct Cut {
     pub at_m: f32,
 }
 
-impl Default for ScenePart {
-    /// Returns the whole scene.
-    fn default() -> Self {
-        Self::WHOLE
-    }
-}
-
 impl ScenePart {
     /// The whole scene.
     pub const WHOLE: Self = Self { corners: [Vec3::MIN, Vec3::MAX], cut: None };
@@ -306,15 +299,17 @@ fn texture(
     let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
         | wgpu::TextureUsages::TEXTURE_BINDING
         | wgpu::TextureUsages::COPY_SRC;
-    plain_texture(device, size, format, usage).create_view(&Default::default())
+    plain_texture(device, size, format, usage, &[]).create_view(&Default::default())
 }
 
-/// Creates a texture of two dimensions and one level.
-pub(super) fn plain_texture(
+/// Creates a texture of two dimensions and one level, with views in its own format or in one of
+/// `view_formats`.
+pub(crate) fn plain_texture(
     device: &wgpu::Device,
     size: [u32; 2],
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
+    view_formats: &[wgpu::TextureFormat],
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),
@@ -324,7 +319,7 @@ pub(super) fn plain_texture(
         dimension: wgpu::TextureDimension::D2,
         format,
         usage,
-        view_formats: &[],
+        view_formats,
     })
 }
 

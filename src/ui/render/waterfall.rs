@@ -84,22 +84,13 @@ pub(crate) type GainCurves<'a> = [&'a [f32]; 4];
 pub type TileRow = [f32; 4];
 
 /// The gain curves that bring tiles to one level, on the GPU. Clones share the data.
-#[derive(Clone, Debug)]
-pub(crate) struct GainBuffer {
-    bind_group: wgpu::BindGroup,
-}
+pub(crate) type GainBuffer = wgpu::BindGroup;
 
 /// A tile on the GPU. Clones share the data.
-#[derive(Clone, Debug)]
-pub(crate) struct TileTexture {
-    bind_group: wgpu::BindGroup,
-}
+pub(crate) type TileTexture = wgpu::BindGroup;
 
 /// Values of [`TileRow`] for the rows of a tile, on the GPU. Clones share them.
-#[derive(Clone, Debug)]
-pub struct TileRows {
-    bind_group: wgpu::BindGroup,
-}
+pub(crate) type TileRows = wgpu::BindGroup;
 
 /// A tile and its rows, both on the GPU.
 #[derive(Clone, Debug)]
@@ -181,7 +172,7 @@ impl WaterfallPicture {
         }
         let curves = filled(device, queue, bytemuck::cast_slice(&values));
         let resources = [&self.look, &self.palette, &curves].map(wgpu::Buffer::as_entire_binding);
-        GainBuffer { bind_group: bind_group(device, &self.frame_layout, &resources) }
+        bind_group(device, &self.frame_layout, &resources)
     }
 
     /// Puts on the GPU the values that bring the rows of a tile to one level.
@@ -192,8 +183,7 @@ impl WaterfallPicture {
         rows: &[TileRow; TILE_ROWS],
     ) -> TileRows {
         let rows = filled(device, queue, bytemuck::cast_slice(rows));
-        let resources = [rows.as_entire_binding()];
-        TileRows { bind_group: bind_group(device, &self.rows_layout, &resources) }
+        bind_group(device, &self.rows_layout, &[rows.as_entire_binding()])
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
@@ -205,7 +195,7 @@ impl WaterfallPicture {
         texels: &[[u8; 2]],
     ) -> TileTexture {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-        let texture = plain_texture(device, size, wgpu::TextureFormat::Rg8Unorm, usage);
+        let texture = plain_texture(device, size, wgpu::TextureFormat::Rg8Unorm, usage, &[]);
         let bytes: &[u8] = bytemuck::cast_slice(texels);
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
@@ -215,7 +205,7 @@ impl WaterfallPicture {
         queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size));
         let view = texture.create_view(&Default::default());
         let tile = wgpu::BindingResource::TextureView(&view);
-        TileTexture { bind_group: bind_group(device, &self.tile_layout, &[tile]) }
+        bind_group(device, &self.tile_layout, &[tile])
     }
 
     /// Writes the style and the quads that the next [`WaterfallPicture::paint`] draws; tiles beyond
@@ -241,14 +231,14 @@ impl WaterfallPicture {
         tiles: impl Iterator<Item = &'a DrawnTile>,
     ) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &gain.bind_group, &[]);
+        pass.set_bind_group(0, gain, &[]);
         let stride = size_of::<Quad>() as u64;
         for (index, tile) in tiles.take(MAX_QUADS).enumerate() {
             // A slice instead of a first instance: OpenGL without base instances draws it too.
             let start = index as u64 * stride;
             pass.set_vertex_buffer(0, self.quads.slice(start..start + stride));
-            pass.set_bind_group(1, &tile.texture.bind_group, &[]);
-            pass.set_bind_group(2, &tile.rows.bind_group, &[]);
+            pass.set_bind_group(1, &tile.texture, &[]);
+            pass.set_bind_group(2, &tile.rows, &[]);
             pass.draw(0..4, 0..1);
         }
     }

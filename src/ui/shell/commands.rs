@@ -86,7 +86,7 @@ impl Shell {
             WindowAction::SaveReview => self.save_review(),
             WindowAction::ExportBoxes => self.export_boxes(),
             WindowAction::History => self.history.open = !self.history.open,
-            WindowAction::Notices => self.notices.open = !self.notices.open,
+            WindowAction::Notices => self.shows_notices = !self.shows_notices,
             WindowAction::Palette => self.palette.open(),
             WindowAction::Manual => self.manual.open = !self.manual.open,
             WindowAction::Focus(view) => {
@@ -115,13 +115,24 @@ impl Shell {
                 View::Waterfall => self.views.waterfall.set_corner(),
                 View::Map | View::Cloud | View::Objects => self.views.map.set_corner(),
             },
-            WindowAction::SaveFigure => self.save_figure(),
-            WindowAction::SaveProfile => self.save_profile(),
+            WindowAction::SaveFigure if self.app.measured().is_some() => {
+                self.ask_beside_log(PathPurpose::SaveFigure, "measured.geojson");
+            }
+            WindowAction::SaveFigure => {
+                self.say("nothing is measured yet; draw a line or an area on the map first");
+            }
+            WindowAction::SaveProfile if self.app.profile_csv().is_some() => {
+                self.ask_beside_log(PathPurpose::SaveProfile, "profile.csv");
+            }
+            WindowAction::SaveProfile => self.say_no_profile(),
             WindowAction::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
                 None => self.say_no_profile(),
             },
-            WindowAction::SavePlan => self.save_plan(),
+            WindowAction::SavePlan if self.app.map.planning.lines.is_some() => {
+                self.ask_beside_log(PathPurpose::SavePlan, "lines.gpx");
+            }
+            WindowAction::SavePlan => self.say("no lines are planned yet; use Plan lines first"),
         }
     }
 
@@ -315,22 +326,6 @@ impl Shell {
         log.map_or_else(|| PathBuf::from(ending), |log| log.with_extension(ending))
     }
 
-    fn save_figure(&mut self) {
-        if self.app.measured().is_some() {
-            self.ask_beside_log(PathPurpose::SaveFigure, "measured.geojson");
-        } else {
-            self.say("nothing is measured yet; draw a line or an area on the map first");
-        }
-    }
-
-    fn save_plan(&mut self) {
-        if self.app.map.planning.lines.is_some() {
-            self.ask_beside_log(PathPurpose::SavePlan, "lines.gpx");
-        } else {
-            self.say("no lines are planned yet; use Plan lines first");
-        }
-    }
-
     /// Asks for the file of a copy of the log.
     fn ask_for_copy(&mut self, purpose: PathPurpose, ending: &str) {
         if self.app.logs.shown.survey.is_none() {
@@ -339,13 +334,6 @@ impl Shell {
             self.say(BUSY);
         } else {
             self.ask_beside_log(purpose, ending);
-        }
-    }
-
-    fn save_profile(&mut self) {
-        match self.app.profile_csv() {
-            Some(_) => self.ask_beside_log(PathPurpose::SaveProfile, "profile.csv"),
-            None => self.say_no_profile(),
         }
     }
 

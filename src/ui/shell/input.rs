@@ -51,11 +51,6 @@ fn parse(keys: &str) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(modifiers, Key::from_name(key)?))
 }
 
-/// Returns true if a text field uses the key of an action itself, to undo typing.
-fn is_of_text(action: Action) -> bool {
-    matches!(action, Action::Undo | Action::Redo)
-}
-
 /// Returns true if a held key acts repeatedly: an arrow, or the key of an action that repeats.
 fn may_repeat(key: Key, held: Modifiers) -> bool {
     let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
@@ -105,7 +100,8 @@ pub(super) fn collect_keys(
         }
     }
     for Bound { keys, shortcut, action } in BOUND.iter() {
-        if typing && is_of_text(*action) {
+        // A text field uses the keys of these actions itself, to undo typing.
+        if typing && matches!(action, Action::Undo | Action::Redo) {
             continue;
         }
         let is_bare = is_bare(keys);

@@ -12,7 +12,7 @@ use egui_tiles::{
 use serde::{Deserialize, Serialize};
 
 /// Arrangement of the views; saved between runs.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Layout {
     tree: Tree<View>,
     focus: View,

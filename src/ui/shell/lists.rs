@@ -106,31 +106,20 @@ fn row(
 
 const SIZE: [f32; 2] = [560.0, 420.0];
 
-/// The list of notices; closed at the start.
-#[derive(Default)]
-pub(super) struct NoticeList {
-    /// True if the list is shown.
-    pub open: bool,
-}
-
-impl NoticeList {
-    /// Draws the list while it is open.
-    pub(super) fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
-        if !self.open {
-            return;
-        }
-        let mut open = true;
-        let room = ctx.content_rect().shrink(8.0);
-        let size = vec2(SIZE[0], SIZE[1]).min(room.size());
-        Window::new("Notices")
-            .open(&mut open)
-            .collapsible(false)
-            .default_size(size)
-            .max_size(room.size())
-            .default_pos(room.center_bottom() - vec2(0.5 * size.x, size.y + 40.0))
-            .show(ctx, |ui| list(ui, context));
-        self.open &= open;
+/// Draws the list of all notices while it is open.
+pub(super) fn all_notices(ctx: &egui::Context, context: &mut ViewContext<'_>, open: &mut bool) {
+    if !*open {
+        return;
     }
+    let room = ctx.content_rect().shrink(8.0);
+    let size = vec2(SIZE[0], SIZE[1]).min(room.size());
+    Window::new("Notices")
+        .open(open)
+        .collapsible(false)
+        .default_size(size)
+        .max_size(room.size())
+        .default_pos(room.center_bottom() - vec2(0.5 * size.x, size.y + 40.0))
+        .show(ctx, |ui| list(ui, context));
 }
 
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {

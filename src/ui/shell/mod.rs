@@ -30,14 +30,14 @@ use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, LayerId, Panel, Rect, Response, Ui};
 use export::ExportDialog;
 use layout::Layout;
-use lists::{HistoryList, NoticeList};
+use lists::HistoryList;
 use manual::Manual;
 use palette::CommandPalette;
 use play::Play;
 use printing::Printing;
 use serde::{Deserialize, Serialize};
 use sides::{SidePanel, scrolled, time_line_height};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,7 +136,8 @@ pub struct Shell {
     export: ExportDialog,
     manual: Manual,
     history: HistoryList,
-    notices: NoticeList,
+    /// True if the list of all notices is shown.
+    shows_notices: bool,
     alone: Option<Alone>,
     /// Text around the view on a print; `None` without a print.
     text_around: Option<PrintText>,
@@ -171,7 +172,7 @@ impl Shell {
             export: ExportDialog::default(),
             manual: Manual::default(),
             history: HistoryList::default(),
-            notices: NoticeList::default(),
+            shows_notices: false,
             alone: None,
             text_around: None,
             started: false,
@@ -408,7 +409,7 @@ impl Shell {
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
-        self.notices.ui(ui.ctx(), &mut context);
+        lists::all_notices(ui.ctx(), &mut context, &mut self.shows_notices);
         self.dialogs.ui(ui.ctx(), &mut context);
         input::drop_overlay(ui);
         let names_print = self.printing.ui(ui.ctx(), &mut context, &self.views);
@@ -467,13 +468,12 @@ impl eframe::App for Shell {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let base_map = self.app.map.base_map.as_ref();
-        let saving = SavedWindow {
-            options: &self.app.view.options,
-            layout: &self.layout,
-            recent: &self.app.recent,
-            base_map: base_map.map(|map| map.path.as_path()),
-            mountings: &self.app.document.mountings,
+        let saving = Saved {
+            options: self.app.view.options.clone(),
+            layout: self.layout.clone(),
+            recent: self.app.recent.clone(),
+            base_map: self.app.map.base_map.as_ref().map(|map| map.path.clone()),
+            mountings: Mountings::clone(&self.app.document.mountings),
         };
         if let Ok(text) = serde_json::to_string(&saving) {
             storage.set_string(KEY, text);
@@ -488,7 +488,7 @@ impl eframe::App for Shell {
 /// Key in the store; its number grows when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
 
-/// The saved preferences, as they are read.
+/// The saved preferences.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     options: ViewOptions,
@@ -499,15 +499,6 @@ struct Saved {
     /// Default mountings of the recorders.
     #[serde(default)]
     mountings: Mountings,
-}
-
-#[derive(Serialize)]
-struct SavedWindow<'a> {
-    options: &'a ViewOptions,
-    layout: &'a Layout,
-    recent: &'a [PathBuf],
-    base_map: Option<&'a Path>,
-    mountings: &'a Mountings,
 }
 
 impl Shell {

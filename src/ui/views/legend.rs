@@ -1,14 +1,16 @@
-//! Draws legends over a view: scales of colours, and plates of text.
+//! Draws legends over a view: scales of colours, and plates of text; and the text and buttons of an
+//! empty view.
 
 use super::ticks;
-use crate::app::ViewOptions;
-use crate::ui::theme;
+use crate::app::{Action, ViewOptions};
+use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::cloud::DepthReference;
-use bathyscope_bottom::presentation::colours::{
-    depth_colour, difference_colour, distance_colour, share_colour, uncertainty_colour,
-};
+use bathyscope_bottom::presentation::colours::{depth_colour, difference_colour, share_colour};
 use bathyscope_bottom::presentation::units::Units;
-use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, RichText, Shape, Ui, UiBuilder, Vec2, pos2,
+    vec2,
+};
 
 /// Width of the colour bar, points.
 const BAR: f32 = 12.0;
@@ -68,17 +70,22 @@ pub(super) fn words(
     plate(painter, options, at, anchor, text, ink)
 }
 
+/// Returns the shift from a place of a view to a text above it, and the anchor of the text, on the
+/// side where there is more room.
+pub(super) fn beside(at: Pos2, view: Rect, away: f32) -> (Vec2, Align2) {
+    if at.x < view.center().x {
+        (vec2(away, -away), Align2::LEFT_BOTTOM)
+    } else {
+        (vec2(-away, -away), Align2::RIGHT_BOTTOM)
+    }
+}
+
 /// Puts buttons on a part of a view, in a frame that keeps them readable over whatever is drawn
 /// there.
-pub(super) fn framed(
-    ui: &mut egui::Ui,
-    options: &ViewOptions,
-    place: Rect,
-    add: impl FnOnce(&mut egui::Ui),
-) {
+pub(super) fn framed(ui: &mut Ui, options: &ViewOptions, place: Rect, add: impl FnOnce(&mut Ui)) {
     let frame =
         egui::Frame::NONE.fill(theme::plate_colour(options)).corner_radius(3.0).inner_margin(2.0);
-    ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| frame.show(ui, add));
+    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| frame.show(ui, add));
 }
 
 /// A scale of colours with their values.
@@ -113,22 +120,13 @@ impl LegendScale {
         }
     }
 
-    /// Creates a scale of slant ranges, the nearest on top.
-    pub(super) fn of_ranges(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("slant range", ends_m, units, share_colour)
-    }
-
-    /// Creates a scale of uncertainties of depths, the least on top.
-    pub(super) fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("uncertainty", ends_m, units, uncertainty_colour)
-    }
-
-    /// Creates a scale of distances to the nearest depth, the nearest on top.
-    pub(super) fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
-        Self::of_metres("to a depth", ends_m, units, distance_colour)
-    }
-
-    fn of_metres(name: &str, ends_m: [f32; 2], units: Units, colour: fn(f32) -> [u8; 3]) -> Self {
+    /// Creates a scale of lengths, the least on top.
+    pub(super) fn of_lengths(
+        name: &str,
+        ends_m: [f32; 2],
+        units: Units,
+        colour: fn(f32) -> [u8; 3],
+    ) -> Self {
         Self {
             title: format!("{name}, {}", units.symbol()),
             ends: ends_m.map(|metres| units.in_unit(f64::from(metres))),
@@ -203,4 +201,64 @@ fn bar_shape(bar: Rect, colour: fn(f32) -> [u8; 3]) -> Shape {
         mesh.add_colored_rect(band, theme::rgb(colour(0.5 * (top + bottom))));
     }
     Shape::mesh(mesh)
+}
+
+/// Text shown instead of a drawing that needs a GPU.
+pub(super) const NO_GPU: &str =
+    "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
+
+/// First steps of a new user, one line each.
+const FIRST_STEPS: [&str; 3] = [
+    "1. Open the log that your recorder wrote on its card, or drop it on the window.",
+    "2. Look whether the line follows the bottom here, and at the depths on the map.",
+    "3. Export the depth map, the mosaic and the report.",
+];
+
+/// Shows a sentence in the middle of the view.
+pub(super) fn say(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    middle(ui, context, (rect, 20.0), &[text], &[]);
+}
+
+/// Shows what the view waits for, or a button to go on when processing was stopped.
+pub(super) fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    if !context.app.is_stopped() {
+        return say(ui, context, rect, text);
+    }
+    let text = "Processing was stopped before there was a result.";
+    middle(ui, context, (rect, 48.0), &[text], &[Action::Update]);
+}
+
+/// Shows what would fill the view, with buttons to open a log or the demo.
+pub(super) fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    middle(ui, context, (rect, 84.0), &[text], &[Action::Open, Action::OpenDemo]);
+}
+
+/// Shows the first steps, with buttons to open a log or the demo.
+pub(super) fn first_steps(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+    middle(ui, context, (rect, 140.0), &FIRST_STEPS, &[Action::Open, Action::OpenDemo]);
+}
+
+/// Shows lines of text in a band of this height, and buttons below them.
+fn middle(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    (rect, height): (Rect, f32),
+    lines: &[&str],
+    actions: &[Action],
+) {
+    let colour = theme::canvas_text_colour(context.options());
+    let band = Rect::from_center_size(rect.center(), vec2(rect.width() * 0.9, height));
+    ui.scope_builder(UiBuilder::new().max_rect(band), |ui| {
+        ui.vertical_centered(|ui| {
+            for line in lines {
+                ui.label(RichText::new(*line).color(colour));
+            }
+            if lines.len() > 1 {
+                ui.add_space(8.0);
+            }
+            for &action in actions {
+                context.button(ui.button(action.label()), action);
+            }
+        });
+    });
 }

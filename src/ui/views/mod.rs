@@ -5,7 +5,6 @@
 
 pub(super) mod chip;
 mod cloud;
-mod empty;
 mod legend;
 mod map;
 pub(super) mod measured;

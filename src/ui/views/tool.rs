@@ -4,7 +4,7 @@
 
 use super::legend;
 use crate::app::{Action, App, BoxEdge, Command, ExclusionEdit, LogId, Tool, View};
-use crate::ui::{stretch_text, theme};
+use crate::ui::{place, theme};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::survey::{LogPart, Side};
 use bathyscope_products::project::MeasurementKind;
@@ -244,9 +244,9 @@ impl Does {
     pub(super) fn words(self, app: &App, log: LogId, pings: [usize; 2]) -> Option<String> {
         let units = app.view.options.units;
         let extent = app.logs.extent_of(log, LogPart::Pings(pings))?;
-        let covered = stretch_text::extent(&extent, units);
+        let covered = place::stretch_extent(&extent, units);
         Some(match self {
-            Self::Exclusion(edit) => stretch_text::of_drag(edit, &extent, units),
+            Self::Exclusion(edit) => place::drag_effect(edit, &extent, units),
             Self::Propose => format!("propose {covered}"),
             Self::Accept(side, true) => format!("accept as bottom, {}: {covered}", side.name()),
             Self::Accept(side, false) => format!("no longer accepted, {}: {covered}", side.name()),

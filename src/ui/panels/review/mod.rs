@@ -5,7 +5,6 @@
 //! The panel reads the state of the app, draws controls and pictures of boxes, and sends commands.
 
 mod judged;
-mod object;
 mod queue;
 mod selected;
 mod texts;
@@ -18,7 +17,6 @@ use crate::ui::{ViewContext, text};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::Background;
 use egui::{LayerId, Rect, Response, RichText, Ui};
-use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and the texts that are being edited.
 #[derive(Default)]
@@ -26,7 +24,8 @@ pub(crate) struct ReviewPanel {
     chip: Background<chip::ChipKey, BoxChip>,
     lines: texts::BoxTexts,
     classes: texts::Classes,
-    object: ObjectPictures,
+    /// The pictures of the boxes that show the selected object.
+    sightings: chip::Chips,
     /// Layer and area of the panel when it was drawn last; `None` while there are no boxes.
     area: Option<(LayerId, Rect)>,
 }
@@ -34,7 +33,7 @@ pub(crate) struct ReviewPanel {
 impl ReviewPanel {
     /// Returns true if the pictures show the present selected box and its object.
     pub(crate) fn is_settled(&self) -> bool {
-        !self.chip.is_running() && self.object.is_settled()
+        !self.chip.is_running() && !self.sightings.is_running()
     }
 
     /// Returns true if a control belongs to the panel.
@@ -62,7 +61,7 @@ impl ReviewPanel {
                 warning(ui, context, &note);
             }
             within(ui, |ui| self.selected(ui, context));
-            within(ui, |ui| self.object.ui(ui, context));
+            within(ui, |ui| selected::object(ui, context, &mut self.sightings));
             within(ui, |ui| judged::at_slider(ui, context));
             queue::ui(ui, context);
             objects(ui, context);
@@ -117,15 +116,17 @@ fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    ui.horizontal_wrapped(|ui| {
-        for named in [
-            (Action::SaveReview, "Save"),
-            (Action::OpenReview, "Open…"),
-            (Action::ExportBoxes, "Export…"),
-        ] {
-            button(ui, context, named);
-        }
-    });
+    let named = [
+        (Action::SaveReview, "Save"),
+        (Action::OpenReview, "Open…"),
+        (Action::ExportBoxes, "Export…"),
+    ];
+    buttons(ui, context, &named);
+}
+
+/// Draws a row of buttons, as [`button`] does.
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, named: &[(Action, &str)]) {
+    ui.horizontal_wrapped(|ui| named.iter().for_each(|named| button(ui, context, *named)));
 }
 
 /// Draws a button of an action with another label; its hint shows the key of the action.

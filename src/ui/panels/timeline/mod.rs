@@ -7,13 +7,12 @@ mod strips;
 
 use crate::app::{Command, LogPlace};
 use crate::ui::flat::{PaintedArea, RasterTexture};
-use crate::ui::{ViewContext, place, stretch_text, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::{Correction, PingDepth};
 use bathyscope_bottom::presentation::ticks;
 use bathyscope_log::survey::{Navigation, Survey};
-use bathyscope_products::pipeline::{Background, Products, Same};
+use bathyscope_products::pipeline::{Background, Same};
 use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui};
-use std::sync::Arc;
 use strips::{ColumnExtremes, Strips, resampled, span};
 
 /// Height of the panel, points.
@@ -23,22 +22,7 @@ pub(crate) const HEIGHT: f32 = 104.0;
 type StripResults = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
 
 /// The survey and the results from which the strips are made.
-#[derive(PartialEq)]
-struct StripsKey {
-    survey: Same<Survey>,
-    results: Option<StripResults>,
-}
-
-impl StripsKey {
-    fn of(survey: &Arc<Survey>, products: Option<&Products>) -> Self {
-        let results = |products: &Products| {
-            let correction = Same(products.correction.clone());
-            let depths = Same(products.depths.clone());
-            (Same(products.navigation.clone()), depths, correction)
-        };
-        Self { survey: Same(survey.clone()), results: products.map(results) }
-    }
-}
+type StripsKey = (Same<Survey>, Option<StripResults>);
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
@@ -70,8 +54,12 @@ impl TimeLine {
             self.seen_survey = app.view.survey_serial;
             self.strips = Background::default();
         }
-        let key = StripsKey::of(survey, app.logs.shown.products.as_ref());
         let (survey, products) = (survey.clone(), app.logs.shown.products.clone());
+        let results = products.as_ref().map(|products| {
+            let correction = Same(products.correction.clone());
+            (Same(products.navigation.clone()), Same(products.depths.clone()), correction)
+        });
+        let key = (Same(survey.clone()), results);
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
         self.strips.ask(key, app.jobs.workers(), work);
     }
@@ -87,7 +75,7 @@ impl TimeLine {
             let strips = self.strips.result().and_then(Option::as_ref);
             let depth = strips.and_then(|strips| strips.deepest(context.units()));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
-            let excluded = stretch_text::and_stretches(context.app);
+            let excluded = place::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{excluded}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });

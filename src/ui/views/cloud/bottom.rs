@@ -68,45 +68,34 @@ impl BottomScene {
     }
 }
 
-/// Key of a scene: a bottom and its origin, metres.
-type BottomSceneKey = (Same<Bottom>, [f64; 3]);
+/// The bottom of the view that was uploaded last; its key is the bottom and its origin, metres.
+pub(super) type ShownBottom = Background<(Same<Bottom>, [f64; 3]), Arc<BottomScene>>;
 
-/// The bottom of the view that was uploaded last.
-#[derive(Default)]
-pub(super) struct ShownBottom(Background<BottomSceneKey, Arc<BottomScene>>);
-
-impl ShownBottom {
-    /// Returns true if a bottom is being uploaded.
-    pub(super) fn is_running(&self) -> bool {
-        self.0.is_running()
-    }
-
-    /// Returns the bottom of the survey, and starts its upload where it changed; `None` where no
-    /// bottom is shown, or before the first upload has ended.
-    pub(super) fn of(
-        &mut self,
-        app: &App,
-        origin_m: [f64; 3],
-        uploader: &Uploader,
-    ) -> Option<&Arc<BottomScene>> {
-        let Some(bottom) = app.bottom() else {
-            self.0 = Background::default();
-            return None;
-        };
-        let key = (Same(bottom.clone()), origin_m);
-        let (bottom, uploader) = (bottom.clone(), uploader.clone());
-        self.0.ask(key, app.jobs.workers(), move |progress| {
-            let buffers = upload(&bottom, origin_m, &uploader);
-            progress.check().ok()?;
-            Some(Arc::new(BottomScene {
-                wide: buffers.extent().filter(|_| bottom.has_flat_extrapolation),
-                bottom,
-                buffers,
-                origin_m,
-            }))
-        });
-        self.0.result()
-    }
+/// Returns the bottom of the survey, and starts its upload where it changed; `None` where no bottom
+/// is shown, or before the first upload has ended.
+pub(super) fn of<'a>(
+    shown: &'a mut ShownBottom,
+    app: &App,
+    origin_m: [f64; 3],
+    uploader: &Uploader,
+) -> Option<&'a Arc<BottomScene>> {
+    let Some(bottom) = app.bottom() else {
+        *shown = Background::default();
+        return None;
+    };
+    let key = (Same(bottom.clone()), origin_m);
+    let (bottom, uploader) = (bottom.clone(), uploader.clone());
+    shown.ask(key, app.jobs.workers(), move |progress| {
+        let buffers = upload(&bottom, origin_m, &uploader);
+        progress.check().ok()?;
+        Some(Arc::new(BottomScene {
+            wide: buffers.extent().filter(|_| bottom.has_flat_extrapolation),
+            bottom,
+            buffers,
+            origin_m,
+        }))
+    });
+    shown.result()
 }
 
 fn upload(

@@ -8,7 +8,9 @@ use crate::ui::views::legend::{self, LegendScale};
 use crate::ui::{ViewContext, ViewRequest, place, theme};
 use bathyscope_bottom::bathymetry::CellSource;
 use bathyscope_bottom::cloud::{DepthReference, PointClass};
-use bathyscope_bottom::presentation::colours::{SOURCES, share_colour};
+use bathyscope_bottom::presentation::colours::{
+    SOURCES, distance_colour, share_colour, uncertainty_colour,
+};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{Side, SideScanState, Survey};
 use bathyscope_products::pipeline::{Bottom, BottomColour, Products};
@@ -200,11 +202,13 @@ pub(super) fn paint_legend(
 /// Returns the scale of the bottom's colours; `None` if they do not show a number.
 fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<LegendScale> {
     let ends = bottom.ends?;
+    let lengths =
+        |name: &str, colour: fn(f32) -> [u8; 3]| LegendScale::of_lengths(name, ends, units, colour);
     Some(match bottom.colour {
         BottomColour::Mosaic | BottomColour::Source => return None,
         BottomColour::Depth => LegendScale::of_depth(ends, reference, units),
-        BottomColour::Uncertainty => LegendScale::of_uncertainty(ends, units),
-        BottomColour::Distance => LegendScale::of_distance(ends, units),
+        BottomColour::Uncertainty => lengths("uncertainty", uncertainty_colour),
+        BottomColour::Distance => lengths("to a depth", distance_colour),
         BottomColour::Hardness => LegendScale::of_hardness(ends),
     })
 }
@@ -222,7 +226,8 @@ fn scale(
             (ends.depth_m).map(|ends| LegendScale::of_depth(ends, reference, units))
         }
         CloudColour::Level => ends.scales.level.map(LegendScale::of_levels),
-        CloudColour::Range => (ends.scales.range_m).map(|ends| LegendScale::of_ranges(ends, units)),
+        CloudColour::Range => (ends.scales.range_m)
+            .map(|ends| LegendScale::of_lengths("slant range", ends, units, share_colour)),
     }
 }
 

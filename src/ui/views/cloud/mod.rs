@@ -11,7 +11,7 @@ mod pointer;
 mod scene;
 mod shown;
 
-use super::empty;
+use super::legend;
 use crate::app::{App, CloudColour, Command, LogPlace, SideColours, ThemeChoice};
 use crate::ui::render::{OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, flat, place, theme};
@@ -103,26 +103,26 @@ impl CloudView {
     ) -> String {
         let Some(survey) = context.app.logs.shown.survey.clone() else {
             let text = "The 3D point cloud of a survey appears here.";
-            empty::offer_to_open(ui, context, rect, text);
+            legend::offer_to_open(ui, context, rect, text);
             return "3D point cloud, empty".to_owned();
         };
         let Some(products) = context.app.logs.shown.products.clone() else {
-            empty::wait(ui, context, rect, "The point cloud is being built.");
+            legend::wait(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
         };
         self.ask_for_scene(context);
         let Some(scene) = self.scene.result().cloned() else {
             if !self.scene.is_running() {
-                empty::say(ui, context, rect, "This log has no positions to place points at.");
+                legend::say(ui, context, rect, "This log has no positions to place points at.");
             }
             return "3D point cloud, no points".to_owned();
         };
         let Some(state) = context.render_state else {
-            empty::say(ui, context, rect, empty::NO_GPU);
+            legend::say(ui, context, rect, legend::NO_GPU);
             return shown::name(&scene);
         };
         let uploader = Uploader::new(&state.device, &state.queue);
-        let bottom = self.bottom.of(context.app, scene.origin_m, &uploader).cloned();
+        let bottom = bottom::of(&mut self.bottom, context.app, scene.origin_m, &uploader).cloned();
         let shown = ShownCloud::new(&survey, &products, &scene, bottom.as_ref());
         let camera = self.navigate(ui, context, rect, response, shown.pick_scene());
         let axes = shown.axes(context.app, rect, camera.projection(aspect(rect)));
@@ -266,9 +266,7 @@ impl CloudView {
         self.camera = Some(camera);
         camera
     }
-}
 
-impl CloudView {
     /// Moves the camera with the cloud when its box or its origin has changed: after a change of
     /// preset the cloud may have another size and another place. A camera that the user has not
     /// moved shows all of the cloud again.

@@ -133,7 +133,7 @@ impl PartialEq for SceneLogPoints {
 }
 
 /// Selection of the points that are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShownPoints {
     /// True if points that do not count for the map are drawn as well.
     pub outliers: bool,
@@ -417,7 +417,7 @@ mod tests {
     }
 
     fn with_outliers(outliers: bool) -> ShownPoints {
-        ShownPoints { outliers, ..ShownPoints::default() }
+        ShownPoints { outliers, part: ScenePart::WHOLE }
     }
 
     fn log(

@@ -13,7 +13,7 @@ use crate::ui::render::{
 };
 use crate::ui::text;
 use bathyscope_log::survey::Survey;
-use bathyscope_products::pipeline::Products;
+use bathyscope_products::pipeline::{Products, Same};
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use std::sync::Arc;
@@ -87,9 +87,10 @@ impl<'a> ShownCloud<'a> {
         let bottom = self.bottom.map(|scene| {
             let (of, part) = (&*scene.bottom, axes.part);
             let draw = bottom::draw(app, of, axes.projection, pixels_per_point, part);
-            (scene.clone(), draw)
+            (Same(scene.clone()), draw)
         });
-        CloudDrawing { points: options.points.then(|| (self.scene.clone(), points)), bottom }
+        let points = options.points.then(|| (Same(self.scene.clone()), points));
+        CloudDrawing { points, bottom }
     }
 
     /// Returns the accessible name of the view.
@@ -113,27 +114,12 @@ pub(super) fn name(scene: &CloudScene) -> String {
 }
 
 /// Bottom and points to draw, with their parameters.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, PartialEq)]
 pub(super) struct CloudDrawing {
     /// The bottom; `None` if it is not shown.
-    pub bottom: Option<(Arc<BottomScene>, BottomDraw)>,
+    pub bottom: Option<(Same<BottomScene>, BottomDraw)>,
     /// The points; `None` if they are not shown.
-    pub points: Option<(Arc<CloudScene>, CloudDraw)>,
-}
-
-/// Two drawings are equal if they draw the same allocation with equal parameters; contents are not
-/// compared.
-impl PartialEq for CloudDrawing {
-    fn eq(&self, other: &Self) -> bool {
-        fn same<S, D: PartialEq>(a: &Option<(Arc<S>, D)>, b: &Option<(Arc<S>, D)>) -> bool {
-            match (a, b) {
-                (Some((a, of_a)), Some((b, of_b))) => Arc::ptr_eq(a, b) && of_a == of_b,
-                (None, None) => true,
-                _ => false,
-            }
-        }
-        same(&self.bottom, &other.bottom) && same(&self.points, &other.points)
-    }
+    pub points: Option<(Same<CloudScene>, CloudDraw)>,
 }
 
 /// Renderers of bottom and points.
@@ -145,9 +131,8 @@ struct Renderers {
 /// GPU objects of one cloud view.
 #[derive(Default)]
 pub(super) struct CloudPicture {
-    picture: ViewTexture,
+    picture: ViewTexture<CloudDrawing>,
     renderers: Option<Renderers>,
-    drawn: Option<CloudDrawing>,
 }
 
 impl CloudPicture {
@@ -159,18 +144,13 @@ impl CloudPicture {
         state: &RenderState,
         drawing: CloudDrawing,
     ) {
-        let is_new = self.picture.resize(state, rect, painter.pixels_per_point());
-        if (is_new || self.drawn.as_ref() != Some(&drawing))
-            && let Some(target) = self.picture.target()
-        {
-            let renderers = self.renderers.get_or_insert_with(|| Renderers {
-                bottom: BottomRenderer::new(&state.device),
-                points: CloudRenderer::new(&state.device),
-            });
-            renderers.draw(state, target, &drawing);
-            self.drawn = Some(drawing);
-        }
-        self.picture.paint(painter, rect, state);
+        let renderers = self.renderers.get_or_insert_with(|| Renderers {
+            bottom: BottomRenderer::new(&state.device),
+            points: CloudRenderer::new(&state.device),
+        });
+        self.picture.show(painter, rect, state, drawing, |target, drawing| {
+            renderers.draw(state, target, drawing);
+        });
     }
 }
 
@@ -181,10 +161,10 @@ impl Renderers {
             let mut pass = target.begin(&mut encoder);
             if let Some((scene, draw)) = &drawing.bottom {
                 let queue = &state.queue;
-                self.bottom.draw(queue, target, &mut pass, &scene.buffers, draw);
+                self.bottom.draw(queue, target, &mut pass, &scene.0.buffers, draw);
             }
             if let Some((scene, draw)) = &drawing.points
-                && let Some(points) = &scene.buffers
+                && let Some(points) = &scene.0.buffers
             {
                 let queue = &state.queue;
                 self.points.draw(queue, target, &mut pass, points, draw);

@@ -124,29 +124,17 @@ fn ink(colours: &mut [Color32], [x, y]: [f64; 2], colour: Color32) -> bool {
 /// Number of points between two checks for cancellation.
 const CHECK: usize = 1 << 14;
 
-/// Inputs of the point layer: the points and their colours.
-#[derive(Clone, PartialEq)]
-pub(super) struct PointKey {
-    logs: Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>,
-    side_colours: SideColours,
-    theme: ThemeChoice,
-    swath: SwathShown,
-}
+/// Inputs of the point layer: the points of each log, and their colours.
+pub(super) type PointKey =
+    (Vec<(Same<PointCloud>, Same<Vec<PointClass>>)>, (SideColours, ThemeChoice, SwathShown));
 
-impl PointKey {
-    /// Creates the key of the points of these logs with their colours.
-    pub(super) fn of(logs: &[VisibleLog], options: &ViewOptions) -> Self {
-        let key = |shown: &VisibleLog| {
-            let products = &shown.log.products;
-            (Same(products.cloud.clone()), Same(products.classes.clone()))
-        };
-        Self {
-            logs: logs.iter().map(key).collect(),
-            side_colours: options.side_colours,
-            theme: options.theme,
-            swath: options.swath,
-        }
-    }
+/// Returns the key of the points of these logs with their colours.
+pub(super) fn point_key(logs: &[VisibleLog], options: &ViewOptions) -> PointKey {
+    let key = |shown: &VisibleLog| {
+        let products = &shown.log.products;
+        (Same(products.cloud.clone()), Same(products.classes.clone()))
+    };
+    (logs.iter().map(key).collect(), (options.side_colours, options.theme, options.swath))
 }
 
 /// Returns a note for the legend; `has_swath` is true if there are points of a swath.

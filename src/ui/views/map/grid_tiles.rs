@@ -228,59 +228,37 @@ const EDGE: usize = 17;
 /// Largest number of samples of the picture along a side of a texel.
 const MOST_BASE_LOOKS: usize = 3;
 
-/// Inputs of the tiles of a base map.
-#[derive(Clone, PartialEq)]
-pub(super) struct BaseMapKey {
-    map: Same<BaseMap>,
-    survey: Same<Survey>,
-    navigation: Same<Navigation>,
-}
+/// Inputs of the tiles of a base map: the map, and the survey in whose plane it is shown.
+pub(super) type BaseMapKey = (Same<BaseMap>, Same<Survey>, Same<Navigation>);
 
-impl BaseMapKey {
-    /// Creates the key of a base map in the plane of a survey.
-    pub(super) fn new(
-        map: &Arc<BaseMap>,
-        survey: &Arc<Survey>,
-        navigation: &Arc<Navigation>,
-    ) -> Self {
-        Self {
-            map: Same(map.clone()),
-            survey: Same(survey.clone()),
-            navigation: Same(navigation.clone()),
-        }
-    }
-
-    /// Returns the painter of the tiles.
-    pub(super) fn source(self) -> Arc<dyn TilePainter> {
-        let bounds = bounds(&self);
-        let pixel_m = self.map.0.pixel_m();
-        Arc::new(BaseTiles {
-            // Tiles finer than the pixels of the picture show nothing more.
-            finest: pixel_m.log2().floor().clamp(-8.0, 20.0) as i8 - 1,
-            key: self,
-            bounds,
-            pixel_m,
-        })
-    }
+/// Returns the painter of the tiles of a base map.
+pub(super) fn base_tiles(key: BaseMapKey) -> Arc<dyn TilePainter> {
+    let pixel_m = key.0.0.pixel_m();
+    Arc::new(BaseTiles {
+        // Tiles finer than the pixels of the picture show nothing more.
+        finest: pixel_m.log2().floor().clamp(-8.0, 20.0) as i8 - 1,
+        bounds: bounds(&key),
+        key,
+        pixel_m,
+    })
 }
 
 /// Returns the bounds of the part of the picture near the survey, in the survey's plane.
-fn bounds(key: &BaseMapKey) -> GroundBounds {
-    let BaseMapKey { map, survey, navigation } = key;
+fn bounds((Same(map), Same(survey), Same(navigation)): &BaseMapKey) -> GroundBounds {
     let near = [-REACH_M, -REACH_M, REACH_M, REACH_M];
-    let [columns, rows] = map.0.size.map(f64::from);
+    let [columns, rows] = map.size.map(f64::from);
     let shares = (0..EDGE).map(|step| step as f64 / (EDGE - 1) as f64);
     let around = shares.flat_map(|share| {
         let (x, y) = (share * columns, share * rows);
         [[x, 0.0], [x, rows], [0.0, y], [columns, y]]
     });
     let places = around.map(|pixel| {
-        let at = map.0.place.to_position(pixel);
-        navigation.0.to_plane(&survey.0.track, at)
+        let at = map.place.to_position(pixel);
+        navigation.to_plane(&survey.track, at)
     });
     let [west, south, east, north] = places.fold(NOWHERE, |all, [x, y]| joined(all, [x, y, x, y]));
     // The edges of a picture of half the Earth may be where the plane of the survey is not defined.
-    if map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
+    if map.covers(survey.track.frame.origin()) && east - west > REACH_M {
         near
     } else {
         [west.max(near[0]), south.max(near[1]), east.min(near[2]), north.min(near[3])]
@@ -304,8 +282,7 @@ impl TilePainter for BaseTiles {
     }
 
     fn paint(&self, key: MapTileKey, progress: &Progress) -> Option<Vec<Color32>> {
-        let map = &self.key.map.0;
-        let (survey, navigation) = (&self.key.survey.0, &self.key.navigation.0);
+        let (Same(map), Same(survey), Same(navigation)) = &self.key;
         let warp = Warp::new(key, |[east_m, north_m]| {
             map.place.to_pixels(navigation.to_lon_lat(&survey.track, east_m, north_m))
         });

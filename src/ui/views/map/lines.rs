@@ -5,6 +5,7 @@ use crate::ui::flat::ViewTexture;
 use crate::ui::render::{
     LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
 };
+use bathyscope_products::pipeline::Same;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter, Rect};
 use std::sync::Arc;
@@ -50,14 +51,13 @@ pub(super) struct MapPen {
 
 /// GPU objects of one picture of lines. `T` owns the lines.
 pub(super) struct LinePicture<T> {
-    picture: ViewTexture,
+    picture: ViewTexture<(Same<T>, Vec<LineDraw>)>,
     renderer: Option<LineRenderer>,
-    drawn: Option<(Arc<T>, Vec<LineDraw>)>,
 }
 
 impl<T> Default for LinePicture<T> {
     fn default() -> Self {
-        Self { picture: ViewTexture::default(), renderer: None, drawn: None }
+        Self { picture: ViewTexture::default(), renderer: None }
     }
 }
 
@@ -73,26 +73,18 @@ impl<T> LinePicture<T> {
         lines: [(&MapLine, MapPen); N],
     ) {
         let pixels_per_point = painter.pixels_per_point();
-        let is_new = self.picture.resize(state, rect, pixels_per_point);
         let draws: Vec<LineDraw> = lines
             .iter()
             .map(|(line, pen)| line_draw(pixels_per_point, (rect, transform), line, *pen))
             .collect();
-        let same = self
-            .drawn
-            .as_ref()
-            .is_some_and(|(drawn_of, drawn)| Arc::ptr_eq(drawn_of, of) && *drawn == draws);
-        if (is_new || !same)
-            && let Some(target) = self.picture.target()
-        {
-            let renderer = self.renderer.get_or_insert_with(|| LineRenderer::new(&state.device));
+        let renderer = self.renderer.get_or_insert_with(|| LineRenderer::new(&state.device));
+        let now = (Same(of.clone()), draws);
+        self.picture.show(painter, rect, state, now, |target, (_, draws)| {
             let buffers = lines.iter().map(|(line, _)| line.buffers.as_ref());
             let drawn: Vec<(&TrackBuffers, &LineDraw)> =
-                buffers.zip(&draws).filter_map(|(buffers, draw)| Some((buffers?, draw))).collect();
+                buffers.zip(draws).filter_map(|(buffers, draw)| Some((buffers?, draw))).collect();
             renderer.draw(&state.device, &state.queue, target, &drawn);
-            self.drawn = Some((of.clone(), draws));
-        }
-        self.picture.paint(painter, rect, state);
+        });
     }
 }
 

@@ -18,8 +18,8 @@ mod tiles;
 mod track;
 mod transform;
 
+use super::legend;
 use super::tool::Banner;
-use super::{empty, legend};
 use crate::app::{App, Command, MapLayer, Reviewing, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use bathyscope_bottom::calibration::PingRange;
@@ -156,12 +156,12 @@ impl MapView {
     ) -> String {
         let Some(survey) = context.app.logs.shown.survey.clone() else {
             let text = "A survey's track and depth map appear here.";
-            empty::offer_to_open(ui, context, rect, text);
+            legend::offer_to_open(ui, context, rect, text);
             return "Map, empty".to_owned();
         };
         let Some(products) = context.app.logs.shown.products.clone() else {
             let text = "The track is being computed.";
-            empty::wait(ui, context, rect, text);
+            legend::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
         if context.options().map.layers.is_visible(MapLayer::Residuals) {
@@ -170,7 +170,7 @@ impl MapView {
         self.ask_for_layers(context, &survey, &products);
         let Some(track) = self.track.result().cloned() else {
             if !self.track.is_running() {
-                empty::say(ui, context, rect, "This log has no positions to map.");
+                legend::say(ui, context, rect, "This log has no positions to map.");
             }
             return "Map, no positions".to_owned();
         };
@@ -243,7 +243,7 @@ impl MapView {
         let by_log = context.options().map.track_by_log;
         let logs = context.app.logs.with_results();
         let range_m = context.app.logs.depth_range_m();
-        let key = TrackKey::of(&logs, range_m, by_log);
+        let key = track::key(&logs, range_m, by_log);
         let tracked = logs.clone();
         self.track.ask(key, context.app.jobs.workers(), move |progress| {
             let track = TrackLayer::new(&tracked, range_m, by_log, uploader.as_ref(), progress);
@@ -408,6 +408,11 @@ impl MapScene<'_> {
     /// Returns a place on the screen.
     fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)
+    }
+
+    /// Returns the place of a WGS84 position on the screen.
+    fn at_position(&self, position: LonLat) -> Pos2 {
+        self.at(self.products.navigation.to_plane(&self.survey.track, position))
     }
 
     /// Returns the WGS84 position of a place on the screen.

@@ -46,12 +46,6 @@ struct Seen<'a> {
     at: Pos2,
 }
 
-impl Seen<'_> {
-    fn id(&self) -> LogBox {
-        LogBox { log: self.log.id, id: self.review_box.id }
-    }
-}
-
 /// Draws the boxes, and lines from the place of the selected object to the boxes that show it.
 pub(super) fn paint(painter: &Painter, scene: &MapScene<'_>, app: &App) {
     sightings(painter, scene, app);
@@ -140,8 +134,8 @@ pub(super) fn under(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<LogBox>
         return None;
     }
     placed(scene, app)
-        .map(|seen| (seen.id(), seen.at.distance(at)))
-        .filter(|(_, distance)| *distance <= REACH)
-        .min_by(|(_, a), (_, b)| a.total_cmp(b))
-        .map(|(id, _)| id)
+        .map(|seen| (seen.at.distance(at), seen))
+        .filter(|(distance, _)| *distance <= REACH)
+        .min_by(|(a, _), (b, _)| a.total_cmp(b))
+        .map(|(_, seen)| LogBox { log: seen.log.id, id: seen.review_box.id })
 }

@@ -261,7 +261,7 @@ pub(super) fn graticule(painter: &Painter, scene: &MapScene<'_>) {
     for (family, least) in [(LineFamily::Upright, across), (LineFamily::Level, up)] {
         for line in net.lines(family, bounds, least) {
             let places = net.places(family, line.value, bounds, BENDS);
-            let bent: Vec<Pos2> = places.map(|at| on_screen(scene, at)).collect();
+            let bent: Vec<Pos2> = places.map(|at| scene.at_position(at)).collect();
             painter.add(Shape::line(bent.clone(), stroke));
             if let Some(at) = name_at(scene, family, &bent) {
                 name(painter, scene, &mut covered, at, &line.label);
@@ -300,11 +300,6 @@ fn distances(painter: &Painter, scene: &MapScene<'_>, net: &Net, bounds: NetBoun
     let words = painter.layout_no_wrap(guess, legend::font(), Color32::WHITE);
     let room = (words.size().x + MARGIN).max(BETWEEN);
     [across * f64::from(room), up * f64::from(BETWEEN)]
-}
-
-fn on_screen(scene: &MapScene<'_>, at: LonLat) -> Pos2 {
-    let navigation = &scene.products.navigation;
-    scene.at(navigation.to_plane(&scene.survey.track, at))
 }
 
 /// Returns the place of the name of a line: on the lower edge for vertical lines, on the left edge

@@ -4,10 +4,9 @@
 use super::stretches::{self, REACH};
 use super::transform::MapTransform;
 use super::{MapScene, objects};
-use crate::app::{App, Command, ExclusionEdit, LogId, LogPlace, PassesFound, Tool, mark_of};
+use crate::app::{App, Command, LogId, LogPlace, PassesFound, Tool, mark_of};
 use crate::ui::views::legend;
-use crate::ui::{OwnHover, ViewContext, place, stretch_text, text, theme};
-use bathyscope_bottom::calibration::{FlatSpot, PingRange};
+use crate::ui::{OwnHover, ViewContext, place, text, theme};
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_products::pipeline::DepthMap;
 use egui::{Align2, PointerButton, Pos2, Response, Ui, vec2};
@@ -108,8 +107,10 @@ impl MapPointer {
         let spot = stretches::under(scene, at);
         let is_calibrating = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
         if is_calibrating || spot.is_some() {
-            let around = || context.app.logs.shown.stretch_around(own_ping(context.app, near)?);
-            let pings = spot.and_then(|rank| range_of(scene, rank)).or_else(around);
+            let shown = &context.app.logs.shown;
+            let own = near.filter(|(log, _)| *log == shown.id);
+            let around = || own.and_then(|(_, ping)| shown.stretch_around(ping));
+            let pings = spot.map(|(_, spot)| spot.range()).or_else(around);
             context.commands.extend(pings.map(Command::ProposeStretch));
             return;
         }
@@ -148,12 +149,7 @@ impl MapPointer {
                 }
                 ui.close();
             }
-            if let Some(stretch) = context.app.logs.excluded_at(log, ping)
-                && stretch_text::include_again(ui, &stretch)
-            {
-                let (part, edit) = (stretch.part(), ExclusionEdit::Include);
-                context.push(Command::Exclude { log, part, edit });
-            }
+            place::include_entry(ui, context, log, ping);
             if ui.button("Show in the other views").clicked() {
                 context.push(Command::RevealIn(log, LogPlace::ping(ping)));
                 ui.close();
@@ -175,9 +171,7 @@ impl MapPointer {
         let corner = scene.rect.left_top() + vec2(6.0, 34.0 + self.banner_height);
         let anchor = Align2::LEFT_TOP;
         let plate = legend::words(&painter, scene.options, corner, anchor, &text);
-        if let Some(rank) = stretches::under(scene, at)
-            && let Some(spot) = scene.products.flat_spots.get(rank)
-        {
+        if let Some((rank, spot)) = stretches::under(scene, at) {
             let below = plate.left_bottom() + vec2(0.0, 2.0);
             let text = stretches::describe(rank, spot, context.units());
             legend::words(&painter, scene.options, below, anchor, &text);
@@ -232,21 +226,12 @@ fn nearest(scene: &MapScene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> 
     scene.track.nearest_ping(place, reach_m, app.logs.shown.id)
 }
 
-/// Returns the ping if it is one of the log that the panels show.
-fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
-    near.filter(|(log, _)| *log == app.logs.shown.id).map(|(_, ping)| ping)
-}
-
 /// Names a ping, with the name of its log if more than one is open.
 fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
     match app.logs.get(log).filter(|_| app.logs.count() > 1) {
         Some(log) => format!("{}, ping {ping}", log.name()),
         None => format!("ping {ping}"),
     }
-}
-
-fn range_of(scene: &MapScene<'_>, rank: usize) -> Option<PingRange> {
-    scene.products.flat_spots.get(rank).map(FlatSpot::range)
 }
 
 fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
@@ -281,7 +266,7 @@ fn read_out(app: &App, scene: &MapScene<'_>, at: Pos2, near: Option<(LogId, usiz
     if let Some(near) = near {
         text += "   ";
         text += &named_ping(app, near);
-        if let Some(why) = stretch_text::excluded_at(app, near.0, near.1) {
+        if let Some(why) = place::excluded_at(app, near.0, near.1) {
             text += &format!(", {why}");
         }
     }

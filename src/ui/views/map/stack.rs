@@ -3,7 +3,7 @@
 
 use super::MapScene;
 use super::dots::{self, PointKey, ResidualLayer};
-use super::grid_tiles::{BaseMapKey, DepthTiles, MosaicTiles, ShadeTiles};
+use super::grid_tiles::{BaseMapKey, DepthTiles, MosaicTiles, ShadeTiles, base_tiles};
 use super::isobaths::{self, IsobathLabels, IsobathLayer};
 use super::lines::LinePicture;
 use super::objects;
@@ -97,7 +97,7 @@ impl Layers {
         }
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.options().clone());
-            let key = PointKey::of(&logs, &options);
+            let key = dots::point_key(&logs, &options);
             self.points.ask(key, context.app.jobs.workers(), move |progress| {
                 dots::point_source(&logs, &options, progress)
             });
@@ -135,10 +135,11 @@ impl Layers {
             self.base_map = Background::default();
             return;
         };
-        let key = BaseMapKey::new(map, survey, &products.navigation);
+        let navigation = products.navigation.clone();
+        let key = (Same(map.clone()), Same(survey.clone()), Same(navigation));
         let asked = key.clone();
         let jobs = context.app.jobs.workers();
-        self.base_map.ask(key, jobs, |_| Some(asked.source()));
+        self.base_map.ask(key, jobs, |_| Some(base_tiles(asked)));
     }
 
     /// Makes the depth map the source of depths and hill-shade, if it is another one than before.

@@ -5,11 +5,11 @@
 use super::MapScene;
 use super::track::TrackLayer;
 use super::transform::MapTransform;
-use crate::app::{App, Command, ExclusionEdit, LogId, MapLayer, OpenLog, Tool};
+use crate::app::{App, LogId, MapLayer, OpenLog, Tool};
 use crate::ui::views::legend;
 use crate::ui::views::tool::{self, Does};
-use crate::ui::{ViewContext, theme};
-use bathyscope_bottom::calibration::{FlatSpot, ScaleMode};
+use crate::ui::{ViewContext, place, theme};
+use bathyscope_bottom::calibration::FlatSpot;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{LogPart, PingNav};
 use egui::{
@@ -79,11 +79,9 @@ impl StretchTool {
         }
         let clicked = response.clicked().then(|| response.interact_pointer_pos());
         if let Some((log, ping)) = clicked.flatten().and_then(under)
-            && let Some(stretch) = context.app.logs.excluded_at(log, ping)
             && !is_calibrating
         {
-            let (part, edit) = (stretch.part(), ExclusionEdit::Include);
-            context.push(Command::Exclude { log, part, edit });
+            place::include_again(context, log, ping);
         }
         if tool::is_given_up(ui, response) {
             self.drag = None;
@@ -110,7 +108,7 @@ impl StretchTool {
         else {
             return;
         };
-        let Some((survey, products)) = log.survey.as_ref().zip(log.products.as_ref()) else {
+        let Some((survey, products)) = log.results() else {
             return;
         };
         let sailed = LogPart::Pings(drag.pings()).places(survey, &products.navigation);
@@ -157,8 +155,7 @@ pub(super) fn paint_excluded(painter: &Painter, scene: &MapScene<'_>, app: &App)
 
 /// Returns the places of the boat in the excluded stretches of a log.
 fn stretches(log: &OpenLog) -> impl Iterator<Item = &[PingNav]> {
-    let found = log.survey.as_ref().zip(log.products.as_ref());
-    let found = found.zip(log.exclusions()).into_iter();
+    let found = log.results().zip(log.exclusions()).into_iter();
     found.flat_map(|((survey, products), found)| {
         let stretches = found.exclusions.stretches.iter();
         stretches.map(|stretch| stretch.part().places(survey, &products.navigation))
@@ -248,10 +245,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: 
     let Some(middle) = middle(scene, &spot.pings).filter(|_| legend::has_room(scene.rect)) else {
         return;
     };
-    let text = match calibration.mode {
-        ScaleMode::FlatSpot => "scale from here",
-        ScaleMode::Header => "flat stretch, not in use",
-    };
+    let text = place::calibrated_name(calibration.mode);
     let colour = theme::CALIBRATION_COLOUR;
     let size = legend::plate_size(painter, text);
     let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);
@@ -276,15 +270,14 @@ fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
         .count()
 }
 
-/// Returns the rank index of the stretch whose number is under the pointer.
-pub(super) fn under(scene: &MapScene<'_>, pointer: Pos2) -> Option<usize> {
+/// Returns the stretch whose number is under the pointer, with its index by rank.
+pub(super) fn under<'a>(scene: &'a MapScene<'_>, pointer: Pos2) -> Option<(usize, &'a FlatSpot)> {
     if !scene.options.map.flat_spots {
         return None;
     }
-    let hit = |spot: &FlatSpot| {
+    scene.products.flat_spots.iter().enumerate().find(|(_, spot)| {
         badge_at(scene, &spot.pings).is_some_and(|at| at.distance(pointer) <= BADGE + 2.0)
-    };
-    scene.products.flat_spots.iter().position(hit)
+    })
 }
 
 /// Describes a stretch in a few lines.

@@ -9,7 +9,7 @@ use super::transform::{GroundBounds, NOWHERE, PlaceBoxes, around};
 use crate::app::{App, LogId, MapLayer, VisibleLog};
 use crate::ui::render::{Specks, Uploader, Vertex};
 use crate::ui::theme;
-use crate::ui::views::{empty, legend};
+use crate::ui::views::legend;
 use bathyscope_bottom::cloud::{Correction, DepthSource, PingDepth};
 use bathyscope_bottom::presentation::colours::{depth_colour, depth_share};
 use bathyscope_log::support::progress::Progress;
@@ -26,37 +26,23 @@ const BREAK_S: f64 = 10.0;
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
 /// Inputs of the tracks of some logs; equal keys give equal tracks.
-#[derive(PartialEq)]
-pub(super) struct TrackKey {
-    logs: Vec<LayerLogKey>,
-    range_m: Option<[f32; 2]>,
-    by_log: bool,
-}
+pub(super) type TrackKey = (Vec<LogTrackKey>, Option<[f32; 2]>, bool);
 
-#[derive(PartialEq)]
-struct LayerLogKey {
-    id: LogId,
-    colour: [u8; 3],
-    survey: Same<Survey>,
-    navigation: Same<Navigation>,
-    depths: Same<Vec<PingDepth>>,
-    correction: Arc<Correction>,
-}
+/// Inputs of the track of a log: the log and its colour, and what the track is made from.
+type LogTrackKey =
+    ((LogId, [u8; 3]), Same<Survey>, Same<Navigation>, Same<Vec<PingDepth>>, Arc<Correction>);
 
-impl TrackKey {
-    /// Creates the key of these logs with a colour scale between two depths, metres; `by_log`
-    /// colours by log instead of depth.
-    pub(super) fn of(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
-        let key = |shown: &VisibleLog| LayerLogKey {
-            id: shown.id,
-            colour: shown.colour,
-            survey: Same(shown.log.survey.clone()),
-            navigation: Same(shown.log.products.navigation.clone()),
-            depths: Same(shown.log.products.depths.clone()),
-            correction: shown.log.products.correction.clone(),
-        };
-        Self { logs: logs.iter().map(key).collect(), range_m, by_log }
-    }
+/// Returns the key of these logs with a colour scale between two depths, metres; `by_log` colours
+/// by log instead of depth.
+pub(super) fn key(logs: &[VisibleLog], range_m: Option<[f32; 2]>, by_log: bool) -> TrackKey {
+    let key = |shown: &VisibleLog| {
+        let products = &shown.log.products;
+        let navigation = Same(products.navigation.clone());
+        let depths = Same(products.depths.clone());
+        let survey = Same(shown.log.survey.clone());
+        ((shown.id, shown.colour), survey, navigation, depths, products.correction.clone())
+    };
+    (logs.iter().map(key).collect(), range_m, by_log)
 }
 
 /// The tracks of all logs, ready to draw and to search.
@@ -252,7 +238,7 @@ pub(super) fn show(
     let Some(state) = state else {
         let (at, middle) = (scene.rect.center(), Align2::CENTER_CENTER);
         let colour = theme::canvas_text_colour(scene.options);
-        painter.text(at, middle, empty::NO_GPU, legend::font(), colour);
+        painter.text(at, middle, legend::NO_GPU, legend::font(), colour);
         return;
     };
     // The line under the track sets it off from the depth map, whose colours it shares.
@@ -270,17 +256,13 @@ pub(super) fn paint_recorded(painter: &Painter, scene: &MapScene<'_>, app: &App)
         return;
     }
     let apart = &app.logs.shown.external.apart;
-    let at = |place: &_| {
-        let navigation = &scene.products.navigation;
-        scene.at(navigation.to_plane(&scene.survey.track, *place))
-    };
     let colour = theme::recorded_track_colour(scene.options);
-    let line: Vec<_> = apart.line.iter().map(at).collect();
+    let line: Vec<_> = apart.line.iter().map(|place| scene.at_position(*place)).collect();
     painter.add(Shape::line(line, Stroke::new(1.2, colour)));
     let stroke = Stroke::new(0.8, colour);
     let mut last: Option<Pos2> = None;
     for pair in &apart.pairs {
-        let ends = [at(&pair[0]), at(&pair[1])];
+        let ends = pair.map(|place| scene.at_position(place));
         if last.is_none_or(|last| last.distance(ends[1]) > APART) {
             painter.line_segment(ends, stroke);
             last = Some(ends[1]);

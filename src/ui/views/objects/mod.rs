@@ -7,7 +7,7 @@
 
 mod row;
 
-use super::empty;
+use super::legend;
 use crate::app::{Action, Command, LogBox, Object, ObjectState, ObjectTable, View};
 use crate::ui::controls::{self, DropDown, keep_arrows};
 use crate::ui::{ViewContext, text, theme};
@@ -52,7 +52,7 @@ impl ObjectsView {
         if context.app.logs.shown.survey.is_none() {
             ui.painter().rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
             let text = "The objects of a survey are listed here.";
-            return empty::offer_to_open(ui, context, rect, text);
+            return legend::offer_to_open(ui, context, rect, text);
         }
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
         Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {

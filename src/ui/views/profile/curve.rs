@@ -17,7 +17,7 @@ const WIDTH: f32 = 1.0;
 
 /// Inputs for which a measured normalisation is valid.
 #[derive(Clone, PartialEq)]
-struct ScaleKey {
+pub(super) struct ScaleKey {
     survey_serial: u64,
     image: ImageSettings,
     dead_zone_m: f64,
@@ -25,41 +25,35 @@ struct ScaleKey {
 
 /// The normalisation of the whole picture, measured in a background thread. It is measured again
 /// when survey, image or dead zone change; the newest request wins.
-#[derive(Default)]
-pub(super) struct ScaleJob(Background<ScaleKey, (ScaleKey, Normalisation)>);
+pub(super) type ScaleJob = Background<ScaleKey, (ScaleKey, Normalisation)>;
 
-impl ScaleJob {
-    /// Returns the normalisation for the present settings; during the measurement the last one with
-    /// the same survey and image, or else the full scale of a sample.
-    pub(super) fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
-        let settings = &context.app.logs.shown.settings;
-        let key = ScaleKey {
-            survey_serial: context.app.view.survey_serial,
-            image: settings.image.clone(),
-            dead_zone_m: settings.first_return.dead_zone_m,
-        };
-        let (requested, survey) = (key.clone(), survey.clone());
-        self.0.ask(key.clone(), context.app.jobs.workers(), move |progress| {
-            let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
-            let measured = Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
-            Some((requested, measured))
-        });
-        let usable = self.0.result().filter(|(known, _)| {
-            known.survey_serial == key.survey_serial && known.image == key.image
-        });
-        match usable {
-            // The dead zone follows its slider at once; its effect on the extremes follows when the
-            // measurement has ended.
-            Some((_, measured)) => {
-                Normalisation { dead_zone_m: key.dead_zone_m, ..measured.clone() }
-            }
-            None => full_scale(&key),
-        }
-    }
-
-    /// Returns true if no normalisation is being measured.
-    pub(super) fn is_settled(&self) -> bool {
-        !self.0.is_running()
+/// Returns the normalisation for the present settings; during the measurement the last one with the
+/// same survey and image, or else the full scale of a sample.
+pub(super) fn normalisation(
+    job: &mut ScaleJob,
+    context: &ViewContext<'_>,
+    survey: &Arc<Survey>,
+) -> Normalisation {
+    let settings = &context.app.logs.shown.settings;
+    let key = ScaleKey {
+        survey_serial: context.app.view.survey_serial,
+        image: settings.image.clone(),
+        dead_zone_m: settings.first_return.dead_zone_m,
+    };
+    let (requested, survey) = (key.clone(), survey.clone());
+    job.ask(key.clone(), context.app.jobs.workers(), move |progress| {
+        let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
+        let measured = Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
+        Some((requested, measured))
+    });
+    let usable = job
+        .result()
+        .filter(|(known, _)| known.survey_serial == key.survey_serial && known.image == key.image);
+    match usable {
+        // The dead zone follows its slider at once; its effect on the extremes follows when the
+        // measurement has ended.
+        Some((_, measured)) => Normalisation { dead_zone_m: key.dead_zone_m, ..measured.clone() },
+        None => full_scale(&key),
     }
 }
 
@@ -163,8 +157,8 @@ mod tests {
             commands: &mut Vec::new(),
         };
         let mut job = ScaleJob::default();
-        let shown = job.of(&context, &survey);
-        assert!(job.is_settled());
+        let shown = normalisation(&mut job, &context, &survey);
+        assert!(!job.is_running());
         let settings = &app.logs.shown.settings;
         let (image, dead_zone_m) = (&settings.image, settings.first_return.dead_zone_m);
         let measured = Normalisation::measure(&survey, image, dead_zone_m, &Progress::new());

@@ -7,7 +7,7 @@ mod curve;
 
 use crate::app::{Command, LogPlace, ViewOptions};
 use crate::ui::flat::{self, RasterTexture};
-use crate::ui::{ViewContext, place, stretch_text, theme};
+use crate::ui::{OwnHover, ViewContext, place, theme};
 use bathyscope_bottom::cloud::Reduction;
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_bottom::presentation::units::Units;
@@ -27,7 +27,7 @@ pub struct ProfileView {
     /// Enlargement about the nadir; 1 shows the whole range.
     zoom: f32,
     drags_threshold: bool,
-    was_over: bool,
+    hover: OwnHover,
     /// The image of the curves on the screen.
     curves: Option<RasterTexture>,
 }
@@ -38,7 +38,7 @@ impl Default for ProfileView {
             scale: ScaleJob::default(),
             zoom: 1.0,
             drags_threshold: false,
-            was_over: false,
+            hover: OwnHover::default(),
             curves: None,
         }
     }
@@ -70,7 +70,7 @@ struct Found {
 impl ProfileView {
     /// Returns true if the curve is drawn at its final scale.
     pub fn is_settled(&self) -> bool {
-        self.scale.is_settled()
+        !self.scale.is_running()
     }
 
     /// Draws the profile of the hovered ping, or else the selected one.
@@ -92,7 +92,7 @@ impl ProfileView {
         let Some(shown) = shown(&survey, mark.ping, context) else {
             return empty(&painter, rect, &response, "no side-scan ping here");
         };
-        let normalisation = self.scale.of(context, &survey);
+        let normalisation = curve::normalisation(&mut self.scale, context, &survey);
         self.zoom_at(ui, &response);
         let plot = ProfilePlot::new(rect, far_m(&shown) / f64::from(self.zoom));
         let (options, curves) = (context.options(), &mut self.curves);
@@ -157,20 +157,11 @@ impl ProfileView {
         context: &mut ViewContext<'_>,
     ) {
         let at = response.hover_pos().filter(|at| plot.area.contains(*at));
-        match at {
-            Some(at) => {
-                let mark = mark_at(shown, plot.across_m(at.x));
-                if context.app.view.hover != Some(mark) {
-                    context.push(Command::Hover(Some(mark)));
-                }
-                if response.clicked() {
-                    context.push(Command::Select(Some(mark)));
-                }
-            }
-            None if self.was_over => context.push(Command::Hover(None)),
-            None => {}
+        let mark = at.map(|at| mark_at(shown, plot.across_m(at.x)));
+        self.hover.tell(context, mark);
+        if mark.is_some() && response.clicked() {
+            context.push(Command::Select(mark));
         }
-        self.was_over = at.is_some();
     }
 }
 
@@ -191,7 +182,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         picks: Side::BOTH.map(found),
         threshold: context.app.logs.shown.settings.first_return.threshold,
         dead_zone_m: context.app.logs.shown.settings.first_return.dead_zone_m,
-        excluded: stretch_text::excluded_at(context.app, context.app.logs.shown.id, ping),
+        excluded: place::excluded_at(context.app, context.app.logs.shown.id, ping),
     })
 }
 

@@ -16,6 +16,7 @@ use bathyscope_bottom::waterfall::{
 };
 use bathyscope_log::survey::{Side, Survey};
 use bathyscope_products::pipeline::Same;
+use bytemuck::Zeroable as _;
 use eframe::egui_wgpu::{
     Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor,
 };
@@ -317,17 +318,12 @@ pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> EchoStyle {
         black: levels.black,
         white: levels.white.max(levels.black + LEAST_CONTRAST),
         time_is_down: u32::from(lens.orientation == Orientation::Vertical),
-        linear_target: 0,
-        geometry: 0,
-        filters: 0,
-        spreading: 0.0,
-        absorption: 0.0,
         middle_m: 1.0,
         port: 1.0,
         starboard: 1.0,
         curve_far_m: 1.0,
         curve_factor: 1.0,
-        padding: 0.0,
+        ..EchoStyle::zeroed()
     }
 }
 

@@ -4,11 +4,11 @@
 use super::labels;
 use super::lens::{Lens, LensPlace};
 use crate::app::{Action, App, Command, Measure, View};
-use crate::ui::views::{measured, tool};
+use crate::ui::views::{legend, measured, tool};
 use crate::ui::{ViewContext, theme};
 use bathyscope_log::survey::{Identity, Survey};
 use bathyscope_products::project::{Measurement, MeasurementKind, Pick};
-use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
+use egui::{CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
 
 /// Half of the length of the stroke at the end of a shadow, points.
 const TICK: f32 = 7.0;
@@ -275,10 +275,6 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
 
 /// Writes numbers beside a place, on the side where there is more room.
 fn label(painter: &Painter, lens: &Lens, at: Pos2, words: &str) {
-    let (shift, anchor) = if at.x < lens.rect.center().x {
-        (vec2(12.0, -12.0), Align2::LEFT_BOTTOM)
-    } else {
-        (vec2(-12.0, -12.0), Align2::RIGHT_BOTTOM)
-    };
+    let (shift, anchor) = legend::beside(at, lens.rect, 12.0);
     labels::text(painter, at + shift, anchor, words);
 }

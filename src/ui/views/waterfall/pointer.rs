@@ -2,9 +2,9 @@
 
 use super::lens::{Lens, LensPlace};
 use super::{boxes, labels, stretches};
-use crate::app::{AboveStretch, Action, App, Command, ExclusionEdit, LogPlace, Tool};
+use crate::app::{AboveStretch, Action, App, Command, LogPlace, Tool};
 use crate::ui::controls::option_checkbox;
-use crate::ui::{ViewContext, place, stretch_text, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_log::survey::{Side, Survey};
 use egui::{Align2, Painter, Pos2, Rect, Response, Ui, pos2};
 
@@ -72,7 +72,8 @@ pub(super) fn follow(
                 let mark = mark_at(survey, lens.place_at(at));
                 context.push(Command::Select(mark));
                 if let Some(mark) = mark.filter(|_| tool == Tool::Exclude && response.clicked()) {
-                    include_again(context, mark.ping);
+                    let log = context.app.logs.shown.id;
+                    place::include_again(context, log, mark.ping);
                 }
             }
             None => {}
@@ -100,11 +101,8 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             ui.close();
         }
         accept(ui, context, mark);
-        if let Some(stretch) = context.app.logs.excluded_at(context.app.logs.shown.id, mark.ping)
-            && stretch_text::include_again(ui, &stretch)
-        {
-            include_again(context, mark.ping);
-        }
+        let log = context.app.logs.shown.id;
+        place::include_entry(ui, context, log, mark.ping);
         if ui.button("Show in map and 3D").clicked() {
             context.push(Command::Reveal(mark));
             ui.close();
@@ -152,15 +150,6 @@ fn accept(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
     if ui.button("Accept as bottom").on_hover_text(hint).clicked() {
         context.push(Command::AcceptBottom { side, pings, accept: true });
         ui.close();
-    }
-}
-
-/// Includes the excluded stretch at a ping again, if there is one.
-fn include_again(context: &mut ViewContext<'_>, ping: usize) {
-    let log = context.app.logs.shown.id;
-    if let Some(stretch) = context.app.logs.excluded_at(log, ping) {
-        let (part, edit) = (stretch.part(), ExclusionEdit::Include);
-        context.push(Command::Exclude { log, part, edit });
     }
 }
 
@@ -271,7 +260,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: LensPlace) -> Option<Stri
     }
     lines += &format!("\ndepth {}", place::depth(app, mark.ping));
     lines += &doubts(app, mark.ping, side);
-    if let Some(why) = stretch_text::excluded_at(app, app.logs.shown.id, mark.ping) {
+    if let Some(why) = place::excluded_at(app, app.logs.shown.id, mark.ping) {
         lines += &format!("\n{why}");
     }
     if let Some(at) = place::lon_lat(app, mark) {

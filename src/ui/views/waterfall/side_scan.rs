@@ -7,8 +7,8 @@ use super::lens::{Lens, LensPlace};
 use super::scales::{self, RangeLines};
 use super::{WaterfallView, bottom, boxes, extent, pointer, stretches};
 use crate::app::{App, Command, LogPlace, Tool, View};
-use crate::ui::views::{empty, tool};
-use crate::ui::{ViewContext, place, stretch_text, theme};
+use crate::ui::views::{legend, tool};
+use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::first_return::BottomLine;
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::units::Units;
@@ -182,11 +182,11 @@ fn without_picture(
     let survey = context.app.logs.shown.survey.clone();
     let said = match survey {
         None => {
-            empty::first_steps(ui, context, rect);
+            legend::first_steps(ui, context, rect);
             "open a survey to see its side-scan here".to_owned()
         }
         Some(_) if is_reading => {
-            empty::say(ui, context, rect, "The side-scan is being read.");
+            legend::say(ui, context, rect, "The side-scan is being read.");
             "reading the survey".to_owned()
         }
         Some(survey) => {
@@ -228,7 +228,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
     };
     let units = context.units();
     let warning = warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
-    let excluded = stretch_text::and_stretches(context.app);
+    let excluded = place::and_stretches(context.app);
     let products = context.app.logs.shown.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())

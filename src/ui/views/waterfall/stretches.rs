@@ -7,8 +7,8 @@ use super::labels::{self, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
 use crate::app::{App, ExclusionEdit, Tool};
 use crate::ui::views::tool::{self, Does};
-use crate::ui::{ViewContext, place, stretch_text, theme};
-use bathyscope_bottom::calibration::{FlatSpot, PingRange, ScaleMode};
+use crate::ui::{ViewContext, place, theme};
+use bathyscope_bottom::calibration::{FlatSpot, PingRange};
 use bathyscope_log::survey::{ExclusionReason, Side};
 use egui::{Align2, Color32, CursorIcon, Painter, Pos2, Rect, Response, Stroke, Ui, pos2, vec2};
 use std::ops::Range;
@@ -225,10 +225,7 @@ pub(super) fn flat_in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
         return Vec::new();
     };
     let calibration = &products.calibration;
-    let name = match calibration.mode {
-        ScaleMode::FlatSpot => "scale from here",
-        ScaleMode::Header => "flat stretch, not in use",
-    };
+    let name = place::calibrated_name(calibration.mode);
     let used = calibration.flat_spot.iter();
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
     let proposed = app.logs.shown.proposed_stretch();
@@ -240,7 +237,7 @@ pub(super) fn flat_in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     let units = app.view.options.units;
     let ranked = products.flat_spots.iter().enumerate();
     let ranked = ranked.filter(|_| shows_ranked(app)).filter_map(|(rank, spot)| {
-        let name = format!("{}: {}", rank + 1, stretch_text::brief(spot, units));
+        let name = format!("{}: {}", rank + 1, place::stretch_brief(spot, units));
         stretch(lens, &spot.pings, Kind::Ranked, name)
     });
     proposed.into_iter().chain(used).chain(ranked).collect()

@@ -13,7 +13,7 @@ use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::bathymetry::TransectStation;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_products::project::{Measurement, MeasurementKind};
-use egui::{Align2, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
+use egui::{Painter, Pos2, Rect, Response, Shape, Stroke, Ui};
 
 pub(crate) use profile::split;
 
@@ -53,7 +53,7 @@ impl MeasureTool {
         self.tell_next(ui, context, next);
         let painter = ui.painter_at(scene.rect);
         if let Some(cross) = self.cross {
-            paint_cross(&painter, scene, cross);
+            measured::cross(&painter, scene.at(cross));
         }
         if let Some(shown) = &shown {
             paint_figure(&painter, scene, context.app, shown);
@@ -186,9 +186,8 @@ fn stations(app: &App) -> &[TransectStation] {
 
 /// Draws line, corners, and the numbers beside the last one.
 fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Measurement) {
-    let navigation = &scene.products.navigation;
-    let place = |at: &LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
-    let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
+    let corners: Vec<Pos2> =
+        figure.corners.iter().map(|corner| scene.at_position(*corner)).collect();
     let colour = theme::MEASURE_COLOUR;
     let casing = theme::canvas_colour(scene.options);
     let mut line = corners.clone();
@@ -202,18 +201,9 @@ fn paint_figure(painter: &Painter, scene: &MapScene<'_>, app: &App, figure: &Mea
         painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
     }
     if let (Some(at), Some(words)) = (corners.last(), measured::beside(app, figure)) {
-        let (shift, anchor) = if at.x < scene.rect.center().x {
-            (vec2(10.0, -10.0), Align2::LEFT_BOTTOM)
-        } else {
-            (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM)
-        };
+        let (shift, anchor) = legend::beside(*at, scene.rect, 10.0);
         legend::words(painter, scene.options, *at + shift, anchor, &words);
     }
-}
-
-/// Draws the cross that the arrow keys move.
-fn paint_cross(painter: &Painter, scene: &MapScene<'_>, place: [f64; 2]) {
-    measured::cross(painter, scene.at(place));
 }
 
 /// Draws the place of the line that is under the pointer in the plot.

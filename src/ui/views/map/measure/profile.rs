@@ -210,12 +210,9 @@ fn mark(
     if let Some(at) = frame.at(station) {
         painter.circle_filled(at, 3.5, theme::HOVER_COLOUR);
     }
-    let (shift, anchor) = if x < frame.area.center().x {
-        (8.0, egui::Align2::LEFT_BOTTOM)
-    } else {
-        (-8.0, egui::Align2::RIGHT_BOTTOM)
-    };
-    let at = pos2(x + shift, frame.area.bottom() - 4.0);
+    let foot = pos2(x, frame.area.bottom() - 4.0);
+    let (shift, anchor) = legend::beside(foot, frame.area, 8.0);
+    let at = pos2(x + shift.x, foot.y);
     let words = words(station, options.units);
     legend::words(painter, options, at, anchor, &words);
 }
