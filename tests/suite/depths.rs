@@ -5,8 +5,8 @@ use crate::cli::run;
 use crate::support::demo_log;
 use crate::window::{Window, app, demo_window};
 use bathyscope::app::{Command, LogPlace};
-use bathyscope_bottom::bathymetry::depth_range;
 use bathyscope_bottom::cloud::{ClassCounts, PointSource};
+use bathyscope_log::support::statistics::colour_ends;
 use bathyscope_products::pipeline::Products;
 use bathyscope_products::pipeline::Settings;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -73,7 +73,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
         );
         // Map: the scale of the track's colours.
         let [shallow, deep] =
-            depth_range(depths.iter().map(|(_, depth_m)| *depth_m as f32)).expect("depths");
+            colour_ends(depths.iter().map(|(_, depth_m)| *depth_m as f32)).expect("depths");
         let scale = format!("depth {shallow:.1} to {deep:.1} m {reference}");
         assert!(
             window.query_by_label_contains(&scale).is_some(),

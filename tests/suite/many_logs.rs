@@ -485,7 +485,7 @@ fn what_is_excluded_is_in_no_result() {
     assert!((2..=5).contains(&turns.count()), "{:?}", out.stretches);
     assert_eq!(out.ping(100), Some(ExclusionReason::Bad));
     assert!(out.sounding_count() > 30 && out.ping_count() > 100);
-    for point in &made.cloud.points {
+    for point in made.cloud.points.iter() {
         assert_eq!(point.record().exclusion(out), None, "{point:?}");
     }
     let origin = log.survey.track.frame.origin();

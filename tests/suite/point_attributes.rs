@@ -48,7 +48,7 @@ fn points_know_the_level_of_their_echo_and_their_range() {
         let reduction = products.reduction();
         let boats = &products.navigation.pings;
         let mut apart_m: f64 = 0.0;
-        for point in &products.cloud.points {
+        for point in products.cloud.points.iter() {
             let range_m = reduction.point_range_m(&survey, point);
             let ping = point.ping as usize;
             match side(point) {
@@ -127,7 +127,7 @@ fn files_of_points_have_level_and_range_and_plain_las_is_written_where_it_is_ask
         lines.next(),
         Some("source,ping,lon,lat,east_m,north_m,z_m,kept,class,level,range_m,fault")
     );
-    for (line, point) in lines.zip(&products.cloud.points) {
+    for (line, point) in lines.zip(products.cloud.points.iter()) {
         let fields: Vec<&str> = line.split(',').collect();
         let level = match side(point) {
             Some(_) => point.level.to_string(),

@@ -5,7 +5,7 @@ use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
-use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
+use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, surface};
 use bathyscope_bottom::calibration::{Calibration, FlatSpot, PingRange, ScaleMode};
 use bathyscope_bottom::cloud::{
     CloudPoint, Correction, Geometry, PointClass, PointCloud, PointSource, RecordIndex, ping_depths,
@@ -13,6 +13,7 @@ use bathyscope_bottom::cloud::{
 use bathyscope_log::formats;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::support::progress::Progress;
+use bathyscope_log::support::statistics::colour_ends;
 use bathyscope_log::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
     Survey, Track, navigate,
@@ -130,7 +131,7 @@ fn products(
         factor: None,
     };
     let locked = survey.soundings.iter().filter(|sounding| sounding.is_good());
-    let depth_range_m = depth_range(locked.map(|sounding| sounding.depth_m));
+    let depth_range_m = colour_ends(locked.map(|sounding| sounding.depth_m));
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the
     // map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];

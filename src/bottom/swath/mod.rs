@@ -380,7 +380,11 @@ mod tests {
             surface.spread_is = Spread::OfError;
             surface.spread_m.fill(triangles_error_m);
             surface.distance_m.fill(3.0);
-            add(&found, StatedByLevels::untested(1.0), &mut surface);
+            add(
+                &found,
+                StatedByLevels { error_sds: 1.0, ..StatedByLevels::UNTESTED },
+                &mut surface,
+            );
             surface.depth_m[55]
         };
         assert!((depth_m(0.005) - 2.02).abs() < 1e-3, "{}", depth_m(0.005));

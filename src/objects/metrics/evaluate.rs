@@ -36,7 +36,7 @@ pub struct AtScore {
 impl Matched {
     /// Pairs predictions with truths of `classes` classes at the IoU of the settings; boxes whose
     /// class index is not below `classes` are left out.
-    pub fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
+    pub(crate) fn new(images: &[Image], classes: usize, settings: &MetricSettings) -> Self {
         let images: Vec<Image> =
             images.iter().map(|boxes| ignore_classes_from(boxes, classes)).collect();
         Self {
@@ -47,7 +47,7 @@ impl Matched {
     }
 
     /// Counts the predictions of at least a score.
-    pub fn at(&self, score: f32) -> AtScore {
+    pub(crate) fn at(&self, score: f32) -> AtScore {
         let classes: Vec<MatchCounts> =
             self.rankings.iter().map(|ranking| MatchCounts::shown(ranking, score)).collect();
         let shown = self.rankings.iter().flat_map(|ranking| ranking.shown(score));
@@ -63,7 +63,7 @@ impl Matched {
 
     /// Returns precision, recall and F1 of all classes together, for every score that occurs, by
     /// falling score.
-    pub fn curve(&self) -> Vec<CurvePoint> {
+    pub(crate) fn curve(&self) -> Vec<CurvePoint> {
         let all = self.rankings.iter().flat_map(|ranking| &ranking.ranked);
         let mut all: Vec<Ranked> = all.copied().collect();
         all.sort_by(|a, b| b.score.total_cmp(&a.score));

@@ -76,13 +76,13 @@ fn lit_picture(
         let (mut depths, mut shades) = (Mean::default(), Mean::default());
         for row in row..(row + joined).min(grid.rows) {
             let first = row * grid.columns;
-            for cell in first + column..first + (column + joined).min(grid.columns) {
-                let depth_m = surface.depth_m[cell];
+            let cells = first + column..first + (column + joined).min(grid.columns);
+            for (depth_m, shade) in surface.depth_m[cells.clone()].iter().zip(&shade[cells]) {
                 if !depth_m.is_nan() {
-                    depths.add(depth_m);
+                    depths.add(*depth_m);
                 }
-                if shade[cell] > 0 {
-                    shades.add(f32::from(shade[cell]));
+                if *shade > 0 {
+                    shades.add(f32::from(*shade));
                 }
             }
         }

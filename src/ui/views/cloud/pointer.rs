@@ -251,6 +251,7 @@ fn paint_mark(
 mod tests {
     use super::*;
     use crate::app::{SwathShown, ViewOptions};
+    use crate::ui::render::ScenePart;
     use crate::ui::views::cloud::scene::{ColourEnds, SceneLogPoints};
     use bathyscope_bottom::cloud::{CloudPoint, PointClass, PointCloud, PointSource};
     use bathyscope_log::support::progress::Progress;
@@ -286,17 +287,18 @@ mod tests {
     fn the_wheel_never_ends_where_nothing_is() {
         let scene = scene();
         let rect = Rect::from_min_size(Pos2::ZERO, egui::vec2(600.0, 400.0));
+        let all = ShownPoints { outliers: false, part: ScenePart::WHOLE };
         for at in [[300.0, 200.0], [5.0, 5.0], [590.0, 380.0], [310.0, 395.0]] {
             for factor in [1.3, 1.0 / 1.3] {
                 let mut camera = OrbitCamera::default();
                 camera.fit(scene.corners, 1.5, 1.2);
                 for _ in 0..100 {
                     let seen = PickScene { scene: &scene, bottom: None, all: scene.extent() };
-                    let shown = (Default::default(), rect);
+                    let shown = (all, rect);
                     zoom(&mut camera, seen, shown, at.into(), factor);
                 }
                 let projection = camera.projection(1.5);
-                let in_picture = scene.places(Default::default()).filter(|(_, place)| {
+                let in_picture = scene.places(all).filter(|(_, place)| {
                     let ndc = projection.project(*place);
                     ndc.is_some_and(|ndc| ndc.truncate().abs().max_element() <= 1.0)
                 });
