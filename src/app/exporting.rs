@@ -200,7 +200,7 @@ impl App {
     }
 
     /// Returns the amounts that determine the sizes of the products.
-    pub fn amounts(&self) -> Amounts {
+    pub(crate) fn amounts(&self) -> Amounts {
         let depth_map = self.depth_map().flatten();
         Amounts::of(&self.logs.processed(), depth_map.map(|map| &**map))
     }

@@ -343,8 +343,8 @@ mod tests {
         }
     }
 
-    /// Returns the part of an object in the tile that starts `pings` pings before ping 100, the first
-    /// ping of the object; if negative, the tile starts after it.
+    /// Returns the part of an object in the tile that starts `pings` pings before ping 100, the
+    /// first ping of the object; if negative, the tile starts after it.
     fn part(known: &KnownObject, pings: isize) -> Option<ObjectPart> {
         let (survey, navigation) = survey(300, |_, _| 0);
         let raster = Raster::new(&survey, &navigation, 0.04);
@@ -363,8 +363,8 @@ mod tests {
         close(whole.rect, rect(25.0, 100.0, 130.0, 200.0));
         assert_eq!(whole.outline.len(), 4 * 20);
         assert!(whole.is_plain());
-        // The upper half is cut away, and with it the near half of the box; a sliver of the ping before
-        // is left.
+        // The upper half is cut away, and with it the near half of the box; a sliver of the ping
+        // before is left.
         let lower = part(&pipe(true, true), -10).expect("in the tile");
         close(lower.rect, rect(70.0, 0.0, 130.0, 50.0));
         assert!(lower.is_plain());

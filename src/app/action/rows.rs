@@ -4,8 +4,9 @@
 //! beginning with the key that menus show), then the views in which a bare key acts (`acts_in`),
 //! and the marks: `repeats` while the key is held, `about_box` for commands that need a visible
 //! selected box, `asks` for commands that a bare key only offers. The function is `State` on the
-//! state, `Settings` on the settings of the shown log, `Options` on the display options, `Toggle` of a display option, with the name that its
-//! checkboxes have, or `Window` for the window; `when` is false where there is nothing to act on.
+//! state, `Settings` on the settings of the shown log, `Options` on the display options, `Toggle`
+//! of a display option, with the name that its checkboxes have, or `Window` for the window; `when`
+//! is false where there is nothing to act on.
 //!
 //! The rows are a macro, so that the table of names (`super::Action`) does not depend on the state:
 //! each macro that reads the rows uses only its part of them.

@@ -20,8 +20,8 @@ use std::sync::{Arc, mpsc};
 /// Least score of requested boxes, so that a lower threshold can be chosen later without a new
 /// search.
 const LEAST_SCORE: f32 = 0.05;
-/// Number of new pings of a followed log that start a search: about half of a tile of the picture at
-/// a walking pace.
+/// Number of new pings of a followed log that start a search: about half of a tile of the picture
+/// at a walking pace.
 const ENOUGH: usize = 150;
 /// Number of earlier pings that are searched again, because an object may have been cut off at the
 /// end.

@@ -12,9 +12,9 @@
 //! `crosslines` compares the passes of a survey with each other and `crossing_error` estimates the
 //! error of a depth from that, `contradicted` finds the stretches that other logs show to be false,
 //! `height_offsets` finds the height offsets between the depths of logs, `position_offsets` finds
-//! the offsets and delays of their positions, `resampled` samples surfaces along a line and in other
-//! cells and extends them over more ground, `change` finds what changed between two of them, and
-//! `from_levels` defines the setting and result of depths from echo levels.
+//! the offsets and delays of their positions, `resampled` samples surfaces along a line and in
+//! other cells and extends them over more ground, `change` finds what changed between two of them,
+//! and `from_levels` defines the setting and result of depths from echo levels.
 
 pub mod change;
 pub mod compare;

@@ -1,6 +1,6 @@
-//! Samples surfaces along a line, resamples them to larger and smaller cells, computes the direction
-//! that they face, and extends them over more ground than was measured: the picture of a side-scan
-//! reaches farther than the depths do, and is laid on a flat extrapolation of the depths.
+//! Samples surfaces along a line, resamples them to larger and smaller cells, computes the
+//! direction that they face, and extends them over more ground than was measured: the picture of a
+//! side-scan reaches farther than the depths do, and is laid on a flat extrapolation of the depths.
 
 use super::{CellSource, Grid, Surface};
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
-//! Lists the mistakes to examine, every false alarm and every miss, and counts the boxes by true and
-//! by predicted class.
+//! Lists the mistakes to examine, every false alarm and every miss, and counts the boxes by true
+//! and by predicted class.
 
 use super::ranking::{MatchOutcome, Ranked};
 use super::{Image, MetricSettings, TrueBox, iou};

@@ -347,8 +347,8 @@ mod tests {
         assert_eq!(rasterise(&truth), [false; 3]);
     }
 
-    /// Returns a comparison with boxes at pings 20 (right), 60 (wrong class), 100 (no object) and 20
-    /// again (looser), and no box at 140.
+    /// Returns a comparison with boxes at pings 20 (right), 60 (wrong class), 100 (no object) and
+    /// 20 again (looser), and no box at 140.
     fn compared() -> TruthComparison {
         compared_with("tyre")
     }

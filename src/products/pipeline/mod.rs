@@ -10,12 +10,13 @@
 //! the added part of a log that is being written, `task` runs any work on another thread. `derived`
 //! computes the joint results of all logs, once and on demand, the places of echoes, and the passes
 //! over a place. `surface` makes the depth map and the bottom across the track, and `uncertainty`
-//! the error that all its depths have in common. `residuals` compares side-scan with soundings, also
-//! with another geometry or scale, `agreement` compares points with a reference, `objects` computes
-//! the places of objects, `report` sums a run up (`log_report` holds the part on each log),
-//! `fingerprint` distinguishes versions of files, `survey_coverage` computes the starting point of a
-//! plan of further lines, `joint` combines all logs of a survey. Before any stage, missing or wrong
-//! facts of a log are set or corrected ([`as_set`]). No files are written here: see `outputs`.
+//! the error that all its depths have in common. `residuals` compares side-scan with soundings,
+//! also with another geometry or scale, `agreement` compares points with a reference, `objects`
+//! computes the places of objects, `report` sums a run up (`log_report` holds the part on each
+//! log), `fingerprint` distinguishes versions of files, `survey_coverage` computes the starting
+//! point of a plan of further lines, `joint` combines all logs of a survey. Before any stage,
+//! missing or wrong facts of a log are set or corrected ([`as_set`]). No files are written here:
+//! see `outputs`.
 
 mod agreement;
 mod derived;

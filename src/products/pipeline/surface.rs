@@ -1,6 +1,6 @@
 //! Transforms the points of a cloud into the metres of a map, in the coordinate system that `crs`
-//! names, and computes the surface of the depths of a survey there. Computes the shape of the bottom
-//! across the track, too, from the depths that the log itself measured.
+//! names, and computes the surface of the depths of a survey there. Computes the shape of the
+//! bottom across the track, too, from the depths that the log itself measured.
 
 use super::{ProcessedLog, Products};
 use bathyscope_bottom::bathymetry::{
@@ -13,8 +13,9 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::support::statistics::{median_of, quantile, sorted};
 use bathyscope_log::survey::{Navigation, PingNav, Relief, Side, Survey};
 
-/// Side of the cells of the surface from which the shape across the track is read, as a share of the
-/// median depth, and its least value, metres: smaller shapes are noise as seen from the transducer.
+/// Side of the cells of the surface from which the shape across the track is read, as a share of
+/// the median depth, and its least value, metres: smaller shapes are noise as seen from the
+/// transducer.
 const CELL_SHARE: f64 = 0.25;
 const LEAST_CELL_M: f64 = 1.0;
 /// Share of all sides that do not exceed the slant range up to which the shape is computed.

@@ -2,8 +2,8 @@
 //! folder; and makes the inputs for work without a window: the logs at their present places, each
 //! with its settings.
 //!
-//! Finds the decisions about a log among untitled projects, too: those that the window writes into a
-//! folder of its own until the analyst saves the survey under a name. A log may be in several
+//! Finds the decisions about a log among untitled projects, too: those that the window writes into
+//! a folder of its own until the analyst saves the survey under a name. A log may be in several
 //! untitled projects, because it was open with other logs at other times. The project that was
 //! changed last has the valid decisions about it.
 

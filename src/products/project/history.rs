@@ -6,8 +6,8 @@
 //! `Past` stores the changes that led to the present state of a project in a file beside it,
 //! `NAME.bathyscope-history`: first the hash of the project's file to which they lead, then a line
 //! for each change, the newest first, with the differences from the state after it to the state
-//! before. The changes since the project was saved are in its journal. A file for another version of
-//! the project is ignored.
+//! before. The changes since the project was saved are in its journal. A file for another version
+//! of the project is ignored.
 
 use super::journal::Entry;
 use super::paths::beside;

@@ -156,8 +156,8 @@ fn values(app: &App, found: &FoundShift) -> [String; 5] {
     ]
 }
 
-/// Draws the section of the mounting of the recorder on its boat, its default, the coordinate system
-/// of positions in metres, and the shown frequency.
+/// Draws the section of the mounting of the recorder on its boat, its default, the coordinate
+/// system of positions in metres, and the shown frequency.
 pub(super) fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, Section::new("Mounting").of(Stage::Navigation), |ui, context| {
         let Some(survey) = context.app.logs.shown.survey.clone() else {

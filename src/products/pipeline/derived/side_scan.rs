@@ -1,8 +1,8 @@
 //! Computes how side-scan is shown. Of one log: the places of its echoes, which the mosaic on the
 //! screen and the search for passes share, and the passes over a place; its gain normalisation,
 //! which the mosaic and the waterfall share; and the scales, gain and stripe filter of its picture.
-//! Of a survey: the mosaic, for which the echoes of every log are placed on the bottom, normalised in
-//! gain and matched to the levels of the other logs.
+//! Of a survey: the mosaic, for which the echoes of every log are placed on the bottom, normalised
+//! in gain and matched to the levels of the other logs.
 
 use super::Derived;
 use crate::pipeline::{ProcessedLog, Products, Same};

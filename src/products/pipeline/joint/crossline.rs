@@ -1,5 +1,5 @@
-//! Compares the depths of one log or several where tracks cross themselves and each other; finds the
-//! height offsets of several logs, and soundings of a log that other logs show to be false.
+//! Compares the depths of one log or several where tracks cross themselves and each other; finds
+//! the height offsets of several logs, and soundings of a log that other logs show to be false.
 
 use crate::pipeline::{LogLatency, ProcessedLog};
 use bathyscope_bottom::bathymetry::crosslines::{
@@ -106,8 +106,8 @@ pub struct Crosslines {
     /// Residuals of the crossings between two logs; absent for one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
-    /// Latency of the positions of each log, in the order of the logs; `None` where the crossings do
-    /// not determine it.
+    /// Latency of the positions of each log, in the order of the logs; `None` where the crossings
+    /// do not determine it.
     pub(crate) latencies: Vec<Option<LogLatency>>,
     /// Crossings in the order of logs and time, at most [`MOST_LISTED`].
     list: Vec<Listed>,

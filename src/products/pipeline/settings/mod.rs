@@ -2,9 +2,9 @@
 //!
 //! In: keys with values, as text. Out: checked settings, and their explanations.
 //!
-//! `rows` is the table of the settings: key, range, unit, words. `table` defines a row, checks values
-//! against it and converts a number to the unit of the window, `keys` applies files and assignments
-//! to settings, and makes the help and the manual's page.
+//! `rows` is the table of the settings: key, range, unit, words. `table` defines a row, checks
+//! values against it and converts a number to the unit of the window, `keys` applies files and
+//! assignments to settings, and makes the help and the manual's page.
 
 mod keys;
 pub mod rows;
