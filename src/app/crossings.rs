@@ -18,10 +18,13 @@ use bathyscope_products::pipeline::{LogSettings, ProcessedLog, Same, Settings};
 use std::sync::Arc;
 use toml::Value;
 
-/// Keys of the settings that hold the corrections of a log.
+/// Key of the setting with the height offset of a log.
 const HEIGHT: &str = "height_offset_m";
+/// Key of the setting with the shift of a log to the east.
 const EAST: &str = "position_shift.east_m";
+/// Key of the setting with the shift of a log to the north.
 const NORTH: &str = "position_shift.north_m";
+/// Key of the setting with the latency of a log's positions.
 const LATENCY: &str = "mounting.latency_s";
 
 /// The height offsets that were found for some logs.
@@ -77,8 +80,9 @@ pub struct Heights {
     /// The log whose height stays when offsets are applied; with `None` the mean height of all logs
     /// stays.
     pub(crate) held: Option<LogId>,
-    /// The last sentence in a notice that logs differ.
+    /// Sentence of the latest notice that logs differ; `None` while they agree.
     last_notice: Option<String>,
+    /// Sentence of the latest notice of soundings that other logs contradict.
     last_false_notice: Option<String>,
 }
 
@@ -90,7 +94,7 @@ impl OpenLogs {
 }
 
 impl App {
-    /// Returns the height differences of the visible logs; `None` until they are found, and for
+    /// Returns the height offsets of the visible logs; `None` until they are found, and for
     /// fewer than two logs.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         let found = self.findings.heights.found.result()?;
@@ -134,8 +138,8 @@ impl App {
         stretches.map(|stretch| format!("{}.", stretch.summary(&names))).collect()
     }
 
-    /// Starts comparing the heights of the visible logs again if their depths changed, and notifies
-    /// the analyst of differences.
+    /// Starts comparing the heights of the visible logs again if their depths or the held log
+    /// changed, and notifies the analyst of differences.
     pub(super) fn follow_heights(&mut self) {
         let recordings = self.logs.visible().filter(|log| log.survey.is_some()).count();
         if recordings < 2 {

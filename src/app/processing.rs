@@ -287,8 +287,9 @@ impl App {
         self.schedule();
     }
 
-    /// Returns the request for first returns in the visible pings of the shown log, ahead of the
-    /// pipeline; `None` without results or without side-scan.
+    /// Returns the request for first returns ahead of the pipeline, in the visible pings of the
+    /// shown log, or in all of them by the method `threshold`; `None` without results or without
+    /// side-scan.
     pub(super) fn preview_request(&self) -> Option<PreviewRequest> {
         let survey = self.logs.shown.survey.as_ref().filter(|survey| survey.has_side_scan())?;
         Some(PreviewRequest {

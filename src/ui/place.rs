@@ -40,7 +40,8 @@ pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
     }
 }
 
-/// Returns a sample of a ping as a mark has it; `None` if it was not recorded.
+/// Returns a distance in samples as [`LogPlace::sample`] stores it; `None` beyond the recorded
+/// samples.
 pub(super) fn recorded_sample(span: &SideSpan, sample: f64) -> Option<f32> {
     (0.0..f64::from(span.count)).contains(&sample).then_some(sample as f32)
 }
@@ -108,7 +109,7 @@ pub(super) struct BottomBelow {
 }
 
 /// Returns the bottom under the boat at a ping: by the sounding where the recorder had the bottom,
-/// else by the mean of the first returns of both sides; `None` without either.
+/// else by the mean of the first returns of the sides that have one; `None` without either.
 pub(super) fn bottom(app: &App, ping: usize) -> Option<BottomBelow> {
     let recorded = app.logs.shown.judged()?.side_scan.get(ping)?;
     let reduction = reduction(app);
@@ -136,8 +137,8 @@ fn first_return_altitude_m(app: &App, side: Side, ping: usize) -> Option<f64> {
     (pick.is_some() && altitude_m > 0.0).then_some(altitude_m)
 }
 
-/// Describes the depth at a ping with the level that it counts from and its source; a dash where
-/// the depth is unknown.
+/// Describes the depth at a ping with the level that it counts from and its source; a dash, and
+/// the reason if there is one, where the depth is unknown.
 pub(super) fn depth(app: &App, ping: usize) -> String {
     let bottom = bottom(app, ping);
     bottom.map_or_else(
@@ -151,8 +152,7 @@ pub(super) fn depth(app: &App, ping: usize) -> String {
     )
 }
 
-/// Describes the heading of the boat at a ping in a few letters: a course over ground, or the
-/// compass.
+/// Writes the heading of the boat at a ping with a short label: `COG 212°` or `compass 212°`.
 pub(super) fn labelled_heading(app: &App, ping: usize) -> String {
     let products = app.logs.shown.products.as_ref();
     let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
@@ -213,14 +213,15 @@ pub(super) fn lon_lat(app: &App, mark: LogPlace) -> Option<LonLat> {
 }
 
 /// Returns the position of an object that is to fill about a third of a view, metres east, north
-/// and up, and its size, metres; `None` if the place is only to be brought into view.
+/// and up, and its size, metres; `None` if the place is only to be brought into view, or the
+/// object has no position.
 pub(super) fn enlarged(reveal: &Reveal) -> Option<([f64; 3], f64)> {
     let close_up = reveal.close_up.filter(|close_up| close_up.enlarged == Enlarged::Third)?;
     Some((close_up.place_m?, close_up.size_m))
 }
 
-/// Returns metres east and north of a mark: of its point, of its place on the bottom across the
-/// track, or of the boat.
+/// Returns metres east and north of the point of a mark; without a point, of its place on the
+/// bottom across the track; without a sample, of the boat.
 pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     let products = app.logs.shown.products.as_ref()?;
     let points = &products.cloud.points;
@@ -237,8 +238,8 @@ pub(super) fn east_north(app: &App, mark: LogPlace) -> Option<[f64; 2]> {
     (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
-/// Returns the distance of a mark from the track on the bottom, metres. The bottom under the boat
-/// is at the sounding, or else at the first return of the side; `None` if neither is known.
+/// Returns the distance on the bottom between the track and a mark, metres. The bottom under the
+/// boat is at the sounding, or else at the first return of the side; `None` if neither is known.
 pub(super) fn ground_m(app: &App, mark: LogPlace) -> Option<f64> {
     let (slant_m, side) = (range_m(app, mark)?, mark.side?);
     let across = app.logs.shown.products.as_ref()?.relief.across(side, mark.ping);
@@ -338,7 +339,8 @@ pub(super) fn stretch_relief(spot: &FlatSpot, units: Units) -> String {
     }
 }
 
-/// Returns the name of the stretch that the calibration was measured on.
+/// Returns the label of the stretch that the calibration was measured on, which tells if its scale
+/// is in use.
 pub(super) fn calibrated_name(mode: ScaleMode) -> &'static str {
     match mode {
         ScaleMode::FlatSpot => "scale from here",

@@ -20,8 +20,8 @@ use std::sync::{Arc, mpsc};
 /// Least score of requested boxes, so that a lower threshold can be chosen later without a new
 /// search.
 const LEAST_SCORE: f32 = 0.05;
-/// Number of new pings of a followed log that start a search: about half of a tile of the picture
-/// at a walking pace.
+/// Number of new pings of a followed log that start a search: at a walking pace the boat covers
+/// about half of a tile of the detector in them.
 const ENOUGH: usize = 150;
 /// Number of earlier pings that are searched again, because an object may have been cut off at the
 /// end.
@@ -49,9 +49,9 @@ enum SearchMessage {
 struct Detecting {
     log: LogId,
     messages: mpsc::Receiver<SearchMessage>,
-    /// Number of pings from the log's start that have been searched, and number of all pings of the
-    /// log when the search began.
+    /// Number of pings from the log's start that have been searched.
     pings: usize,
+    /// Number of all pings of the log when the search began.
     all: usize,
 }
 
@@ -65,8 +65,9 @@ pub struct ObjectSearch {
     running: Option<Detecting>,
     /// Logs that are waiting to be searched.
     ahead: VecDeque<LogId>,
-    /// Number of logs that the search covers, and number of those that are done.
+    /// Number of logs that the search covers.
     logs: usize,
+    /// Number of the logs that are done.
     done: usize,
     /// Number of boxes found in the logs that are done.
     found: usize,
@@ -92,7 +93,8 @@ impl ObjectSearch {
         Some(&detector.model.description)
     }
 
-    /// Returns true if a log is being searched or is waiting to be searched.
+    /// Returns true if a log is being searched or is waiting to be searched; the search of new
+    /// pings of a followed log does not count.
     pub(crate) fn is_busy(&self) -> bool {
         self.running.is_some() || !self.ahead.is_empty()
     }
@@ -276,7 +278,7 @@ impl App {
     }
 
     /// Receives the messages of a search: keeps its model, whose recommended score becomes the
-    /// threshold of the queue if the model is a new one, and returns the newest of its boxes.
+    /// threshold of the queue if the model is a new one, and returns the last message with boxes.
     fn receive_messages(&mut self, running: &Detecting) -> Option<SoFar> {
         let mut last = None;
         while let Ok(message) = running.messages.try_recv() {
@@ -352,7 +354,8 @@ impl App {
         }
     }
 
-    /// Returns the boxes of a log together with those that were found in some of its pings.
+    /// Returns the review of a log with the boxes that were found in some of its pings: they
+    /// replace the undecided ones there. `None` without a model or a raster.
     fn adopted(&self, id: LogId, found: &[Detection], pings: Range<usize>) -> Option<Arc<Review>> {
         let detector = self.findings.search.detector.as_ref()?;
         let reviewing = &self.logs.get(id)?.reviewing;

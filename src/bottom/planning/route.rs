@@ -28,7 +28,8 @@ pub(super) struct Route<'a> {
     radius_m: f64,
     lines: Vec<Leg>,
     order: Vec<Sailed>,
-    /// Lengths of the links computed so far, metres; infinite where no turn stays in the water.
+    /// Lengths of the turns between lines computed so far, metres; infinite where no turn stays in
+    /// the water.
     links: HashMap<(Sailed, Sailed), f64>,
 }
 
@@ -93,8 +94,8 @@ impl<'a> Route<'a> {
         before_m - self.length_m()
     }
 
-    /// Reverses stretches of the order that shorten the way; returns true if any did. A turn has
-    /// the same length in both directions, so that the turns within a stretch stay.
+    /// Reverses each stretch of the order where that shortens the way; returns true if any was. A
+    /// turn has the same length in both directions, so that the turns within a stretch stay.
     fn reverse_a_stretch(&mut self) -> bool {
         let count = self.order.len();
         let mut is_better = false;
@@ -119,7 +120,7 @@ impl<'a> Route<'a> {
         is_better
     }
 
-    /// Moves or reverses single lines that shorten the way; returns true if any did.
+    /// Moves or reverses each single line where that shortens the way; returns true if any was.
     fn move_a_line(&mut self) -> bool {
         let mut is_better = false;
         for from in 0..self.order.len() {
@@ -184,7 +185,8 @@ impl<'a> Route<'a> {
         if is_turned { self.lines[line].turned() } else { self.lines[line] }
     }
 
-    /// Returns the length of the turn between two lines, metres; 0 at the ends of the way.
+    /// Returns the length of the turn between two lines, metres; 0 before the first line and after
+    /// the last.
     fn joined_m(&mut self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
         from.zip(to).map_or(0.0, |(from, to)| self.link_m(from, to))
     }

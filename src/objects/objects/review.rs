@@ -8,7 +8,7 @@ use bathyscope_log::survey::Exclusions;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
-/// The boxes of a log, and the score from which they are shown.
+/// The boxes of a log, and the score from which its undecided proposals are shown.
 #[derive(Clone, Debug)]
 pub struct LogReview {
     /// The log.
@@ -80,7 +80,7 @@ pub struct SurveyReview {
 }
 
 impl SurveyReview {
-    /// Adds the boxes of the next log, if it has any.
+    /// Adds the next log, with its boxes if it has any.
     pub fn add(&mut self, kept: Option<KeptReview>) {
         let log = LogId(self.logs.len() as u64);
         self.logs.push(kept.map(|kept| {
@@ -110,10 +110,12 @@ impl SurveyReview {
 /// Number of the object of each box of a log.
 pub type LogNumbers = Arc<BTreeMap<BoxId, u32>>;
 
-/// The last object number of every box, also while the box is hidden. Cheap to clone.
+/// The object number that each box got most recently; it stays while the box is hidden. Cheap to
+/// clone.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectNumbers {
     logs: HashMap<LogId, LogNumbers>,
+    /// Greatest number that was given.
     last: u32,
 }
 
@@ -142,7 +144,8 @@ impl ObjectNumbers {
     }
 
     /// Returns a number for each group of boxes, and stores it: the number that most of its boxes
-    /// had, unless another group has more boxes with this number; otherwise a new one.
+    /// had, of those that no group with more such boxes has, or an earlier group with as many; a
+    /// new number if none is left.
     pub(super) fn give(&mut self, groups: &[Vec<LogBox>]) -> Vec<u32> {
         let mut claims: Vec<(usize, u32, usize)> = Vec::new();
         for (index, group) in groups.iter().enumerate() {

@@ -6,10 +6,10 @@ use bathyscope_log::survey::Side;
 
 /// Difference up to which two heights agree, in joint standard deviations.
 const AGREE_SIGMAS: f64 = 2.5;
-/// Least ratio of a height that the program found to its standard deviation: below it, the height
+/// Ratio of the mean height to its standard deviation up to which a height that the program found
 /// may as well be 0.
 const LEAST_SIGMAS: f64 = 1.0;
-/// Least standard deviation of a height in the mean, metres.
+/// Least standard deviation with which a height counts, metres.
 const LEAST_SIGMA_M: f64 = 0.01;
 
 /// The height of an object above the bottom, from all its sightings.
@@ -29,7 +29,7 @@ pub struct ObjectHeight {
     pub contradicting: usize,
 }
 
-/// The sighting that the height of an object is from.
+/// The sighting with the surest height of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HeightSource {
     /// Index of the sighting among those of the object.

@@ -1,5 +1,5 @@
-//! Draws a whole log in one picture: all echoes beside each other, port above and starboard below,
-//! with the first return.
+//! Draws a whole log in one picture for the report: a sample of its pings beside each other, port
+//! above and starboard below, with the first return.
 
 use super::jpeg_address;
 use crate::pipeline::ProcessedLog;
@@ -9,15 +9,17 @@ use bathyscope_log::support::progress::{Cancelled, Progress};
 use bathyscope_log::survey::Side;
 use rayon::prelude::*;
 
-/// Largest number of columns of the picture, and number of rows of each side.
+/// Largest number of columns of the picture.
 const COLUMNS: usize = 1040;
+/// Number of rows of each side.
 const SIDE_ROWS: usize = 150;
 /// Largest number of pings that are read for a column, evenly spread over the pings of the column.
 const READ: usize = 4;
 /// Room for the labels of ranges on the left, pixels.
 const LEFT: usize = 40;
 
-/// Draws the picture of a log; `None` without side-scan.
+/// Returns the values with which the page shows a log: its picture, the lines and the labels;
+/// `None` without side-scan.
 pub(super) fn strip(
     log: &ProcessedLog,
     name: &str,
@@ -79,7 +81,7 @@ impl ReportStrip<'_> {
         sums.into_iter().map(shade).collect()
     }
 
-    /// Adds the mean echo of one side of a ping to each row of the picture.
+    /// Adds the mean echo in each row of one side of a ping to the sums of the rows of that side.
     fn add(&self, ping: usize, side: Side, sums: &mut [f32]) {
         let (survey, reduction) = (&self.log.survey, self.log.products.reduction());
         let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side))
@@ -112,7 +114,7 @@ impl ReportStrip<'_> {
         }
     }
 
-    /// Returns the path of the median first return of each column.
+    /// Returns an SVG path through the median first return of each column.
     fn line(&self, side: Side) -> String {
         let reduction = self.log.products.reduction();
         let mut path = String::new();

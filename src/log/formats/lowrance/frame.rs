@@ -354,10 +354,10 @@ impl FrameWalk<'_> {
         })
     }
 
-    /// Passes a frame to `take` if another frame follows it; where none follows, the frame's size
-    /// may be damaged. A damaged size may also end at the start of another frame by chance: a frame
-    /// that is longer than the `longest` before it is therefore searched for frames inside it.
-    /// Returns where to continue.
+    /// Passes a frame to `take` if another frame follows it, or if none begins inside it: the size
+    /// of a frame that none follows may be damaged. A damaged size may also end at the start of
+    /// another frame by chance: a frame that is longer than the `longest` before it is therefore
+    /// searched for frames inside it. Returns where to continue.
     fn step(
         &self,
         here: FrameStart,

@@ -34,8 +34,8 @@ pub(super) struct TextFile {
 pub(super) struct ColumnRequest<'a> {
     /// Names that the user gave; `None` where the user gave none.
     pub named: Option<&'a [String; 3]>,
-    /// Names in lower case that are tried if the user gave none; the first three that are all
-    /// present are used.
+    /// Groups of three names that are tried if the user gave none: the first group whose names are
+    /// all in the header is used.
     pub known: &'a [[&'a str; 3]],
     /// True if a line with a blank coordinate is left out instead of refused.
     pub skip_blank: bool,
@@ -125,8 +125,8 @@ struct ColumnLayout {
 }
 
 impl ColumnLayout {
-    /// Determines the columns from the first line, which is a header unless all its fields are
-    /// numbers; the second value is true if it is a header.
+    /// Determines the columns from the first line, which is a header if one of its fields is
+    /// neither empty nor a number; the second value is true if it is a header.
     fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), String> {
         let names = requested.named;
         let separator = separator_of(line);
@@ -180,7 +180,7 @@ impl ColumnLayout {
         ))
     }
 
-    /// Returns true if the line has a field for a coordinate that is empty.
+    /// Returns true if the field of a coordinate is empty.
     fn is_blank(&self, line: &str) -> bool {
         let fields = fields(line, self.separator);
         let field = |column: usize| fields.get(column).copied();
@@ -231,8 +231,8 @@ pub(in crate::formats) fn is_comment(line: &str) -> bool {
     line.is_empty() || line.starts_with('#') || line.starts_with("//")
 }
 
-/// Returns the separator between the fields of a table with this line; `None` for runs of spaces. A
-/// comma in a line with semicolons or tabs is part of a number.
+/// Returns the separator of a table that contains this line; `None` for runs of spaces. A comma
+/// in a line with semicolons or tabs is part of a number.
 pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
     let occurs = |separator: &char| {
         let mut quoted = false;
@@ -245,7 +245,8 @@ pub(in crate::formats) fn separator_of(line: &str) -> Option<char> {
 }
 
 /// Returns the fields of a line, without quotes and outer spaces. A separator within quotes is part
-/// of the field.
+/// of the field. Fields that are separated by spaces keep their quotes, and a space within quotes
+/// divides them.
 pub(in crate::formats) fn fields(line: &str, separator: Option<char>) -> Vec<&str> {
     let Some(separator) = separator else {
         return line.split_whitespace().collect();
@@ -270,7 +271,7 @@ pub(in crate::formats) fn number(field: &str, separator: Option<char>) -> Option
     number.or_else(with_comma)
 }
 
-/// Returns true if the first line is a header: one of its fields is no number.
+/// Returns true if the first line is a header: one of its fields is neither empty nor a number.
 pub(in crate::formats) fn is_header(fields: &[&str], separator: Option<char>) -> bool {
     let is_name = |field: &&str| !field.is_empty() && number(field, separator).is_none();
     fields.iter().any(is_name)

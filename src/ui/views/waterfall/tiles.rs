@@ -16,13 +16,14 @@ use std::sync::Arc;
 const BUDGET: usize = 96 << 20;
 
 const _: () = assert!(TILE == TILE_ROWS, "a row of a tile has its place in its rows");
-/// Values of a row that is shown as recorded, without a picture of its log.
+/// Values of a row that shows its echoes as recorded, while the log has no [`LogPicture`] yet.
 const AS_RECORDED: TileRow = [0.0, 1.0, 0.0, 1.0];
 
 /// A tile on the GPU and how complete it is.
 pub(super) struct Resident {
     pub texture: TileTexture,
-    /// Rows for the shown picture; `None` until the tile is drawn with it.
+    /// Values of the rows of the tile for the shown picture of the log; `None` until the tile is
+    /// drawn with it.
     rows: Option<TileRows>,
     pub completeness: u8,
     /// Number of rows of the tile.
@@ -212,7 +213,8 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Returns the recorded ranges that can be shown between two distances from the middle, metres.
+    /// Returns the least and the greatest recorded range that any ping shows between two distances
+    /// from the middle, metres.
     fn recorded_m(&self, shown_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
             (PictureGeometry::Slant, _) | (_, None) => shown_m,
@@ -220,8 +222,8 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Returns the distances from the middle between which recorded ranges of a side are shown,
-    /// within the view, metres.
+    /// Returns the distances from the middle, within the view, between which pings show two
+    /// recorded ranges of a side, metres.
     fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
         match (self.lens.geometry(), self.picture) {
             (PictureGeometry::Slant, _) | (_, None) => recorded_m,
@@ -233,7 +235,7 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Returns the visible tiles, those in the middle of the track first.
+    /// Returns the visible tiles, those nearest to the middle of the view first.
     fn keys_in_view(&self) -> Vec<WaterfallTileKey> {
         let tiles = |extent: &Range<f64>, step: usize| {
             let size = (TILE * step) as f64;
@@ -308,7 +310,8 @@ impl<'a> LensScale<'a> {
         }
     }
 
-    /// Returns the values that bring the rows of a tile to the common level.
+    /// Returns altitude, gain and stripe factor of each row of a tile, with which the shader evens
+    /// the rows.
     fn rows(&self, key: &WaterfallTileKey) -> [TileRow; TILE_ROWS] {
         std::array::from_fn(|row| {
             let first = key.first_ping() + row * key.level.pings();
