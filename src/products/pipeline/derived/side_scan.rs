@@ -1,8 +1,10 @@
-//! Computes how side-scan is shown. Of one log: the places of its echoes, which the mosaic on the
-//! screen and the search for passes share, and the passes over a place; its gain normalisation,
-//! which the mosaic and the waterfall share; and the scales, gain and stripe filter of its picture.
-//! Of a survey: the mosaic, for which the echoes of every log are placed on the bottom, normalised
-//! in gain and matched to the levels of the other logs.
+//! Computes how side-scan is shown.
+//!
+//! For one log: the places of its echoes and the passes over a place, which the mosaic on the
+//! screen and the search for passes use; its gain normalisation, which the mosaic and the waterfall
+//! use; and the scales, gain and stripe filter of its picture. For a survey: the mosaic, in which
+//! the echoes of every log are placed on the bottom, normalised in gain and matched to the levels
+//! of the other logs.
 
 use super::Derived;
 use crate::pipeline::{ProcessedLog, Products, Same};
