@@ -216,6 +216,7 @@ mod tests {
     struct Field {
         rise_m: Vec<f32>,
         sigma_m: Vec<f32>,
+        stated_m: Vec<f32>,
         is_measured: Vec<[bool; 2]>,
     }
 
@@ -231,6 +232,7 @@ mod tests {
             Self {
                 rise_m: noisy.collect(),
                 sigma_m: vec![0.02; SIDE * SIDE],
+                stated_m: vec![0.02; SIDE * SIDE],
                 is_measured: cells.map(|cell| [(cell % SIDE).is_multiple_of(every); 2]).collect(),
             }
         }
@@ -241,6 +243,7 @@ mod tests {
                 cell_area_m2: 0.25,
                 rise_m: &self.rise_m,
                 sigma_m: &self.sigma_m,
+                stated_m: &self.stated_m,
                 is_measured: &self.is_measured,
             }
         }
@@ -346,6 +349,7 @@ mod tests {
         for (sigma_m, of) in made.sigma_m.iter_mut().zip(&made.is_measured) {
             *sigma_m = if of[0] { 0.02 } else { 0.5 };
         }
+        made.stated_m.clone_from(&made.sigma_m);
         made
     }
 
@@ -369,6 +373,23 @@ mod tests {
         let truth_m3 = 2.0 * PI * 0.2 * 4.0;
         let off_m3 = totals.fill.volume_m3 - truth_m3;
         assert!(off_m3.abs() < totals.fill.within_95_m3(&ERRORS).min(0.2 * truth_m3), "{totals:?}");
+    }
+
+    #[test]
+    fn a_change_that_the_lines_do_not_show_is_an_error_between_them() {
+        // A mound of 30 cm between two lines: one of the maps interpolates a bank differently.
+        let between = |east_m: f64, south_m: f64| {
+            let across = (PI * east_m / 3.0).sin().powi(2);
+            0.3 * across * (-0.125 * ((east_m - 10.5).powi(2) + (south_m - 10.0).powi(2))).exp()
+        };
+        let on_a_line = |east_m: f64, south_m: f64| between(east_m + 1.5, south_m);
+        for (rise_m, places) in [(&between as &dyn Fn(f64, f64) -> f64, 0), (&on_a_line, 1)] {
+            let mut made = drawn(rise_m);
+            made.sigma_m = made.field().observed_errors(&ERRORS).sigma_m;
+            let totals = made.totals();
+            assert!(totals.all.volume_m3 > 1.0, "{totals:?}");
+            assert_eq!(totals.fill.places, places, "{totals:?}");
+        }
     }
 
     #[test]

@@ -16,8 +16,8 @@ use std::f64::consts::PI;
 const SMOOTHED_M: f64 = 1.0;
 /// Largest half side of this square in cells: larger averages gain nothing.
 const MOST_SMOOTHED: usize = 10;
-/// Fewest detected cells of a place, and the least area that they cover, square metres: errors of
-/// position may make smaller ones.
+/// Fewest cells of a place that differ by more than any stated error, and the least area that they
+/// cover, square metres: errors of position may make smaller ones.
 const FEWEST_DETECTED: usize = 4;
 const LEAST_DETECTED_M2: f64 = 2.0;
 /// Share of maps without a change in which errors alone make a place.
@@ -38,8 +38,11 @@ pub struct ChangeField<'a> {
     pub cell_area_m2: f64,
     /// Rise of the bottom, metres; NaN where one of the maps has no depth.
     pub rise_m: &'a [f32],
-    /// Standard deviation of the rise that comes from the depths' own errors, metres.
+    /// Standard deviation of the rise that comes from the depths' own errors, metres: as stated by
+    /// the maps, or as observed in their difference.
     pub sigma_m: &'a [f32],
+    /// Standard deviation of the rise as stated by the maps, metres.
+    pub stated_m: &'a [f32],
     /// True where a map measured a depth in the cell: the newer map first, then the older.
     pub is_measured: &'a [[bool; 2]],
 }
@@ -74,7 +77,10 @@ impl ChangeField<'_> {
     /// of the undetected cells is the offset of one map from the other, and each place has a cell
     /// that differs from this offset by more than the depths' own errors. The detected cells of a
     /// place together must exceed the largest of as many independent errors as the map has: the
-    /// largest of many errors passes the level of detection without any change.
+    /// largest of many errors passes the level of detection without any change. A part of the place
+    /// must do so by the stated errors, too: two surveys along the same lines draw the ground
+    /// between the lines alike in most places, and in a few by their stated errors apart. A change
+    /// of the bottom shows on the lines, where these errors are small.
     pub fn regions(&self, errors: &ChangeErrors) -> Vec<ChangeRegion> {
         let sigmas = self.largest_of_errors(errors);
         let (mut regions, offset_m) = self.candidates(errors);
@@ -129,9 +135,9 @@ impl ChangeField<'_> {
         (found, offset_m)
     }
 
-    /// Returns true if the detected cells of a place are more than a few wrong depths, and their
-    /// volume, less the offset of one map from the other, is larger than `sigmas` standard
-    /// deviations of the errors that vary from place to place.
+    /// Returns true if the volume of the detected cells of a place, less the offset of one map from
+    /// the other, is larger than `sigmas` standard deviations of the errors that vary from place to
+    /// place, and more than a few wrong depths differ by `sigmas` stated standard deviations.
     fn stands_out(
         &self,
         region: &ChangeRegion,
@@ -139,13 +145,18 @@ impl ChangeField<'_> {
         sigmas: f64,
         errors: &ChangeErrors,
     ) -> bool {
-        let cells = region.cells.iter().filter_map(|cell| self.cell(*cell));
-        let mut sum = ChangeSum::default();
-        cells.filter(|cell| cell.is_detected(errors)).for_each(|cell| {
-            sum.add(&CellChange { rise_m: cell.rise_m - offset_m, ..cell });
-        });
+        let (mut sum, mut certain) = (ChangeSum::default(), ChangeSum::default());
+        for &index in &region.cells {
+            if let Some(cell) = self.cell(index).filter(|cell| cell.is_detected(errors)) {
+                let cell = CellChange { rise_m: cell.rise_m - offset_m, ..cell };
+                sum.add(&cell);
+                if cell.rise_m.abs() > sigmas * f64::from(self.stated_m[index]) {
+                    certain.add(&cell);
+                }
+            }
+        }
         let [random_m3, ..] = sum.sigma_m3(errors);
-        let is_large = sum.cells >= FEWEST_DETECTED && sum.area_m2 >= LEAST_DETECTED_M2;
+        let is_large = certain.cells >= FEWEST_DETECTED && certain.area_m2 >= LEAST_DETECTED_M2;
         is_large && sum.volume_m3.abs() > sigmas * random_m3
     }
 

@@ -158,8 +158,10 @@ struct PartChange<'a> {
     cell_area_m2: f64,
     /// Rise of the bottom, metres; NaN where it is unknown in one of the maps.
     rise_m: Vec<f32>,
-    /// Standard deviation of the rise by the errors of the depths alone, metres.
+    /// Standard deviation of the rise by the errors of the depths alone, metres: as observed in the
+    /// difference, and as stated by the maps.
     sigma_m: Vec<f32>,
+    stated_m: Vec<f32>,
     /// True if the depth was measured in that cell: in the newer map, in the older map.
     is_measured: Vec<[bool; 2]>,
 }
@@ -176,8 +178,10 @@ impl<'a> PartChange<'a> {
             Some(((rise_m, sigma_m), [new.is_measured, old.is_measured]))
         });
         let unknown = ((f32::NAN, f32::NAN), [false; 2]);
-        let ((rise_m, sigma_m), is_measured) = cells.map(|cell| cell.unwrap_or(unknown)).unzip();
-        Self { part, cell_area_m2: part.cell_area_m2(), rise_m, sigma_m, is_measured }
+        let ((rise_m, stated_m), is_measured): ((Vec<_>, Vec<_>), _) =
+            cells.map(|cell| cell.unwrap_or(unknown)).unzip();
+        let (cell_area_m2, sigma_m) = (part.cell_area_m2(), stated_m.clone());
+        Self { part, cell_area_m2, rise_m, sigma_m, stated_m, is_measured }
     }
 
     fn field(&self) -> ChangeField<'_> {
@@ -186,6 +190,7 @@ impl<'a> PartChange<'a> {
             cell_area_m2: self.cell_area_m2,
             rise_m: &self.rise_m,
             sigma_m: &self.sigma_m,
+            stated_m: &self.stated_m,
             is_measured: &self.is_measured,
         }
     }

@@ -94,6 +94,7 @@ fn change(newer: &Surface, older: &Surface) -> (ChangeTotals, ChangeErrors) {
         cell_area_m2: CELL_M * CELL_M,
         rise_m: &rise_m,
         sigma_m: &sigma_m,
+        stated_m: &sigma_m,
         is_measured: &is_measured,
     };
     let observed = field.observed_errors(&ERRORS);
