@@ -193,6 +193,7 @@ pub(super) fn beam_angles(pairs: &[Pair], overlap_rad: f64) -> Vec<BeamAngles> {
     };
     let mut shares: Vec<f64> = (0..pairs.len()).into_par_iter().map(farther).collect();
     bridge(pairs, &mut shares, |share| share);
+    hold(pairs, &mut shares);
     let shares = shares.into_par_iter().enumerate();
     let known = shares.map(|(ping, of_depth)| known(pairs, ping, least, of_depth, overlap_rad));
     let mut angles: Vec<BeamAngles> = known.collect();
@@ -223,6 +224,21 @@ fn bridge<T>(pairs: &[Pair], items: &mut [T], value: impl Fn(&mut T) -> &mut f64
             }
         }
         known = Some((ping, to));
+    }
+}
+
+/// Replaces the values that `bridge` leaves unknown by the nearest known value, where this is as near
+/// in time as a bridge reaches from its ends.
+fn hold(pairs: &[Pair], values: &mut [f64]) {
+    let known: Vec<usize> = (0..values.len()).filter(|ping| values[*ping].is_finite()).collect();
+    for ping in (0..values.len()).filter(|ping| known.binary_search(ping).is_err()) {
+        let after = known.partition_point(|known| *known < ping);
+        let away_s = |known: &usize| (pairs[*known].time_s - pairs[ping].time_s).abs();
+        let beside = &known[after.saturating_sub(1)..known.len().min(after + 1)];
+        let nearest = beside.iter().min_by(|one, other| away_s(one).total_cmp(&away_s(other)));
+        if let Some(nearest) = nearest.filter(|nearest| away_s(nearest) <= 0.5 * BRIDGED_S) {
+            values[ping] = values[*nearest];
+        }
     }
 }
 
@@ -368,19 +384,21 @@ mod tests {
 
     #[test]
     fn the_farther_side_shows_whether_a_bank_ends_beside_the_boat() {
-        let end = |starboard_m: f64| {
-            let mut pairs = plane(33.0, 3.0);
-            pairs.iter_mut().for_each(|pair| pair.starboard_m = starboard_m);
-            // The depth is lost for 1.5 s.
-            pairs[25..40].iter_mut().for_each(|pair| pair.altitude_m = f64::NAN);
-            beam_angles(&pairs, 0.08)[30]
-        };
-        let level = end(3.0);
-        assert_eq!(level.slope_end(Side::Port).share(), 1.0);
-        assert_eq!(level.slope_end(Side::Starboard), SlopeEnd::NO_SLOPE);
-        // On the bank itself, and where the foot of the bank is seen first.
-        assert_eq!(end(2.9).slope_end(Side::Port).share(), 0.0);
-        assert_eq!(end(3.12).slope_end(Side::Port).share(), 0.0);
+        // The depth is lost for 1.5 s, and from the start.
+        for lost in [25..40, 0..35] {
+            let end = |starboard_m: f64| {
+                let mut pairs = plane(33.0, 3.0);
+                pairs.iter_mut().for_each(|pair| pair.starboard_m = starboard_m);
+                pairs[lost.clone()].iter_mut().for_each(|pair| pair.altitude_m = f64::NAN);
+                beam_angles(&pairs, 0.08)[30]
+            };
+            let level = end(3.0);
+            assert_eq!(level.slope_end(Side::Port).share(), 1.0, "{lost:?}");
+            assert_eq!(level.slope_end(Side::Starboard), SlopeEnd::NO_SLOPE);
+            // On the bank itself, and where the foot of the bank is seen first.
+            assert_eq!(end(2.9).slope_end(Side::Port).share(), 0.0);
+            assert_eq!(end(3.12).slope_end(Side::Port).share(), 0.0);
+        }
         let no_overlap = beam_angles(&plane(33.0, 0.0), 0.0)[30];
         assert_eq!(no_overlap.slope_end(Side::Port).share(), 0.0);
     }
