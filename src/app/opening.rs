@@ -233,6 +233,7 @@ impl App {
         }
         self.look_for_truth(id, is_file);
         self.keep_project("add log");
+        self.hash_new_logs();
         self.pipeline.is_waiting = false;
         self.schedule();
     }

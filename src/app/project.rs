@@ -46,6 +46,8 @@ pub struct ProjectSaving {
     /// True if a log cannot be described, or an untitled project cannot be created, and the analyst
     /// was notified.
     pub(super) is_refused: bool,
+    /// True if a decision was made that an untitled project is to contain.
+    pub(super) has_unkept: bool,
     /// True if the project of the open logs was closed, with all decisions in it, because other
     /// logs are being opened.
     pub(super) is_closed: bool,
@@ -75,6 +77,11 @@ impl OpenLogs {
 }
 
 impl ProjectSaving {
+    /// Returns true if there is a project, or a decision that begins one.
+    pub(super) fn has_decisions(&self) -> bool {
+        self.store.is_some() || self.has_unkept
+    }
+
     /// Returns the file of the open project; `None` if it is untitled.
     pub fn path(&self) -> Option<&Path> {
         self.store.as_ref().filter(|_| !self.is_untitled).map(Store::path)
@@ -234,8 +241,10 @@ impl App {
     /// Saves everything that is not saved yet, because the window closes.
     pub fn keep_all(&mut self) {
         // A project that is created must exist before the last changes are written into it.
-        self.hash_new_logs();
-        self.wait_for(&JobKey::HashUntitled);
+        if self.files.project_saving.has_decisions() {
+            self.hash_new_logs();
+        }
+        self.finish_hashing();
         self.wait_for(&JobKey::CreateProject);
         self.keep_project("close");
         self.finish_writing();

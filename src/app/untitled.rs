@@ -157,49 +157,60 @@ impl App {
     /// project, unless that is impossible or under way, which contains it as soon as the logs are
     /// hashed.
     pub(super) fn keep_decision(&mut self, label: &str) {
-        if self.files.project_saving.store.is_some() {
+        let saving = &mut self.files.project_saving;
+        if saving.store.is_some() {
             return self.keep_project(label);
         }
-        self.files.project_saving.is_closed = false;
-        let Some(folder) = self.files.untitled_folder.clone() else {
-            return;
-        };
-        let is_begun = [JobKey::HashUntitled, JobKey::CreateProject];
-        let is_begun = is_begun.iter().any(|key| self.jobs.is_running(key));
-        if is_begun
-            || self.files.project_saving.is_refused
-            || !self.logs.all().any(OpenLog::is_file)
-        {
+        saving.is_closed = false;
+        let is_begun = self.jobs.is_running(&JobKey::CreateProject);
+        if is_begun || saving.is_refused || !self.logs.all().any(OpenLog::is_file) {
             return;
         }
-        self.hash_logs(JobKey::HashUntitled, move |app, hashed| match hashed {
-            Ok(()) if app.files.project_saving.store.is_some() => app.keep_project("add log"),
-            Ok(()) => app.create_untitled(folder),
-            Err(error) => app.say_not_kept(&error),
-        });
+        saving.has_unkept = true;
+        if self.logs.to_hash().next().is_some() {
+            self.hash_new_logs();
+        } else {
+            self.create_untitled();
+        }
     }
 
-    /// Starts to describe the files of logs that joined a project, which contains them from then
-    /// on.
+    /// Starts to describe the files of logs that are not hashed yet, so that a project can contain
+    /// them as soon as there is a decision.
     pub(super) fn hash_new_logs(&mut self) {
+        let saving = &self.files.project_saving;
+        let can_begin = saving.store.is_some() || self.files.untitled_folder.is_some();
         let is_begun = self.jobs.is_running(&JobKey::HashUntitled);
-        let has_store = self.files.project_saving.store.is_some();
-        let can_begin = has_store && !is_begun && !self.files.project_saving.is_refused;
-        if !can_begin || self.logs.to_hash().next().is_none() {
+        if !can_begin || is_begun || saving.is_refused || self.logs.to_hash().next().is_none() {
             return;
         }
         self.hash_logs(JobKey::HashUntitled, |app, hashed| match hashed {
-            Ok(()) => app.keep_project("add log"),
-            Err(error) => app.say_not_kept(&error),
+            Ok(()) if app.files.project_saving.store.is_some() => app.keep_project("add log"),
+            Ok(()) if app.files.project_saving.has_unkept => app.create_untitled(),
+            Err(error) if app.files.project_saving.has_decisions() => app.say_not_kept(&error),
+            // The first decision tries again, and reports an error.
+            Ok(()) | Err(_) => {}
         });
     }
 
-    fn create_untitled(&mut self, folder: PathBuf) {
+    /// Waits until the logs are hashed, if there are decisions to save; otherwise stops to hash
+    /// them.
+    pub(super) fn finish_hashing(&mut self) {
+        if self.files.project_saving.has_decisions() {
+            self.wait_for(&JobKey::HashUntitled);
+        } else {
+            self.jobs.stop(&JobKey::HashUntitled);
+        }
+    }
+
+    fn create_untitled(&mut self) {
         // The survey may be given a name meanwhile, or its last log may be closed.
         self.wait_for(&JobKey::CreateProject);
         if self.files.project_saving.store.is_some() {
             return self.keep_project("add log");
         }
+        let Some(folder) = self.files.untitled_folder.clone() else {
+            return;
+        };
         if !self.logs.all().any(|log| log.file.is_some()) {
             return;
         }
@@ -283,7 +294,7 @@ impl App {
             return;
         };
         // The log is described by the project that is being created.
-        self.wait_for(&JobKey::HashUntitled);
+        self.finish_hashing();
         self.wait_for(&JobKey::CreateProject);
         let Some(file) = self.logs.get(id).and_then(|log| log.file.as_ref()) else {
             return;

@@ -354,6 +354,16 @@ fn a_folder_that_cannot_be_written_is_named_and_closing_asks() {
 }
 
 #[test]
+fn a_decision_is_saved_although_the_log_was_removed_after_it_was_opened() {
+    let folder = logs();
+    let mut window = opened(folder.path(), &[A]);
+    fs::remove_file(folder.path().join(A)).expect("a log");
+    mark(&mut window);
+    assert!(!app(&window).is_at_risk());
+    assert_eq!(kept(folder.path()).len(), 1);
+}
+
+#[test]
 fn a_review_that_was_written_later_is_named() {
     let folder = logs();
     let mut window = opened(folder.path(), &[A]);
