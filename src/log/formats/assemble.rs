@@ -252,13 +252,18 @@ fn warn_of_lost_bottom(soundings: &[Sounding], report: &WarningReport) {
         let Some(first) = with.next() else { continue };
         let (count, last) = with.fold((1, first), |(count, _), sounding| (count + 1, sounding));
         report.log(format!(
-            "{count} of {} soundings between {:.0} s and {:.0} s {}: they are shown, and count only where a first return confirms them",
+            "{count} of {} soundings {} {}: they are shown, and count only where a first return confirms them",
             soundings.len(),
-            first.time_s,
-            last.time_s,
+            times([first.time_s, last.time_s]),
             fault.sentence()
         ));
     }
+}
+
+/// Returns the words for a span of times, seconds: `at 36 s`, or `between 36 s and 40 s`.
+fn times([first_s, last_s]: [f64; 2]) -> String {
+    let [first, last] = [first_s, last_s].map(|time_s| format!("{time_s:.0} s"));
+    if first == last { format!("at {first}") } else { format!("between {first} and {last}") }
 }
 
 /// Returns the fixes in time order, without fixes where the boat cannot have been.
@@ -284,9 +289,9 @@ fn warn_of_lost_fixes(
     let pings = known.unknown(side_scan.iter().map(|ping| ping.time_s));
     let lost = [(soundings, "sounding"), (pings, "side-scan ping")];
     let lost = lost.into_iter().filter_map(|(lost, of)| Some((lost?, of)));
-    let said = lost.map(|((count, [first_s, last_s]), of)| match count {
-        1 => format!("1 {of} (at {first_s:.0} s)"),
-        _ => format!("{count} {of}s (between {first_s:.0} s and {last_s:.0} s)"),
+    let said = lost.map(|((count, span_s), of)| {
+        let ending = if count == 1 { "" } else { "s" };
+        format!("{count} {of}{ending} ({})", times(span_s))
     });
     let said = said.collect::<Vec<_>>().join(" and ");
     if !said.is_empty() {
