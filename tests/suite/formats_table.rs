@@ -5,6 +5,7 @@ use crate::cli::run;
 use bathyscope_log::formats::{self, FORMATS, FileRole, FormatEntry};
 use bathyscope_log::support::progress::Progress;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 const BEGIN: &str =
@@ -49,6 +50,21 @@ fn the_flow_for_archives_opens_the_files_of_every_format() {
     let line = format!("\nENDINGS = {{{}}}\n", names.join(", "));
     let flow = text("assets/archive/Snakefile");
     assert!(flow.contains(&line), "write this into the Snakefile:{line}");
+}
+
+#[test]
+fn each_format_is_fuzzed_and_the_installer_offers_its_logs() {
+    let fuzzed = text("tests/fuzz/logs.rs");
+    for format in FORMATS {
+        let is_named = |(ending, _): &(&str, FileRole)| fuzzed.contains(&format!("\"{ending}\""));
+        assert!(format.endings.iter().any(is_named), "tests/fuzz/logs.rs feeds no {}", format.name);
+    }
+    let installer = text("assets/packaging/windows/installer.nsi");
+    let (_, list) = installer.split_once("!macro EachEnding DO").expect("the endings");
+    let (list, _) = list.split_once("!macroend").expect("the end of the list");
+    let lines = list.lines().filter_map(|line| line.trim().strip_prefix("!insertmacro ${DO} "));
+    let logs = FORMATS.iter().flat_map(FormatEntry::log_endings);
+    assert_eq!(lines.map(str::to_owned).collect::<BTreeSet<_>>(), logs.collect());
 }
 
 #[test]

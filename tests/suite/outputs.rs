@@ -3,6 +3,7 @@
 use crate::cli::run;
 use crate::truth::KnownSurvey;
 use bathyscope::app::{App, Command, FileToWrite, Jobs};
+use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Survey;
 use bathyscope_objects::objects::SurveyReview;
@@ -70,6 +71,11 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
         assert!(missing.is_empty(), "{missing:?} of {}", row.name);
         assert!(names.iter().any(|name| row.owns(name)), "{}", row.name);
     }
+    // No table of a run is a log: `OWN` in `sounding_table/layout.rs` recognises those with places.
+    for name in names.iter().filter(|name| name.ends_with(".csv")) {
+        let opened = formats::open(&folder.join("out").join(name), &Progress::new());
+        assert!(opened.is_err(), "{name} is opened as a log");
+    }
     // The page lists what lies beside it and says what each is.
     let page = fs::read_to_string(folder.join("out/report.html")).expect("a page");
     let rows = OUTPUT_FILES.iter().filter(is_of_run);
@@ -82,6 +88,18 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
         let row = row_of(name).expect("a row");
         let asked = row.when == When::Always || row.when == When::Chosen(Product::Track);
         assert!(asked, "{name}");
+    }
+}
+
+#[test]
+fn each_described_file_is_named_by_a_reader_of_another_program() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readers");
+    let paths = fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path());
+    let scripts = paths.filter(|path| path.extension().is_some_and(|ending| ending == "py"));
+    let readers: String = scripts.map(|path| fs::read_to_string(path).expect("a script")).collect();
+    for row in OUTPUT_FILES.iter().filter(|row| row.described.is_some()) {
+        let stem = row.file_name().split('.').next().expect("a name");
+        assert!(readers.contains(stem), "tests/readers does not open {}", row.name);
     }
 }
 

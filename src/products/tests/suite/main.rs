@@ -29,6 +29,7 @@ mod offsets;
 mod picture_log;
 mod point_classes;
 mod rates;
+mod sizes;
 mod swath;
 mod trusted_depths;
 mod truth;
