@@ -21,7 +21,7 @@ const ROW: &[&str] = &["row", "picture_row", "line"];
 /// Further names of columns like [`TIME`].
 const MOMENT: &[&str] = &["datetime", "date_time", "utc_time", "timestamp_utc", "date"];
 /// Names that only tables of Bathyscope contain together.
-const OWN: [&str; 4] = ["ping", "east_m", "north_m", "lon"];
+const OWN: [&str; 3] = ["east_m", "north_m", "lon"];
 /// Units at the end of a name, and their length in metres (1 for degrees).
 const UNITS: &[(&str, f64)] = &[
     ("m", 1.0),
