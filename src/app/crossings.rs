@@ -103,8 +103,8 @@ impl App {
         found.ids.iter().all(is_visible).then_some(found)
     }
 
-    /// Returns a warning for each two logs that no height offsets bring into agreement, and for
-    /// each two whose depths differ by a share of the depth.
+    /// Returns a warning for each pair of logs that no height offsets bring into agreement, and for
+    /// each pair whose depths differ in proportion to the depth.
     pub(crate) fn height_contradictions(&self) -> Vec<String> {
         let Some(found) = self.height_offsets() else {
             return Vec::new();
@@ -115,8 +115,8 @@ impl App {
         scales.chain(contradictions(&offsets.pairs, &names)).collect()
     }
 
-    /// Returns a sentence about the two logs whose depths differ most with the offsets in force, by
-    /// more than chance; `None` if all logs agree.
+    /// Returns a sentence about the two logs whose depths differ most with the offsets in force;
+    /// `None` if no difference is larger than chance explains.
     pub(crate) fn unlevelled(&self) -> Option<String> {
         let found = self.height_offsets()?;
         let in_force_m = |id: &LogId| {
@@ -224,7 +224,8 @@ impl App {
         self.process();
     }
 
-    /// Adds the offsets to the elevations of their logs, as one undo step.
+    /// Sets the height offsets of all logs for which the comparison determines one, as one undo
+    /// step.
     pub(super) fn apply_heights(&mut self) {
         let Some(found) = self.height_offsets().cloned() else {
             let text =

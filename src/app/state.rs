@@ -1,5 +1,5 @@
-//! Holds the state of the window for reading; commands change it in `apply`, the answers of work in
-//! the background through `jobs`.
+//! Holds the state of the window, which views only read. Commands change the state in `apply`;
+//! results of background work change it through `jobs`.
 
 use super::comparing::{Comparing, ReferenceComparison};
 use super::crossings::{FoundPositions, Heights};
@@ -33,15 +33,15 @@ use std::sync::Arc;
 /// State of the open survey as a whole, whichever log is shown.
 #[derive(Default)]
 pub struct Document {
-    /// The settings from which a new survey starts: the preset, or the settings that the program
-    /// was started with.
+    /// The settings from which a new survey starts: the default settings, or those that the program
+    /// was started with, without the settings that belong to one survey.
     pub(super) start: Arc<Settings>,
     /// The settings that all logs share.
     pub shared: Arc<Settings>,
     /// The local coordinate frame of the plane that all logs share.
     pub(super) plane: LocalFrame,
-    /// True if the coordinate system of a log's metres has changed, and the plane was not chosen
-    /// again since.
+    /// True if the plane must be chosen again: the coordinate system of a log has changed, or
+    /// distant logs were hidden.
     pub(super) is_plane_moved: bool,
     /// Default mounting of recorders, by [`bathyscope_log::survey::Source::recorder`].
     pub mountings: Arc<Mountings>,
@@ -52,10 +52,11 @@ pub struct Document {
 /// State of the pipeline.
 #[derive(Default)]
 pub struct PipelineWork {
-    /// The last request to process a log; `None` once it has ended.
+    /// The last request to process a log; `None` once it has succeeded or failed. A request whose
+    /// work was stopped stays here.
     pub(super) requested: Option<ProcessRequest>,
-    /// True if nothing is processed until the analyst requests it: the slider is still held, or the
-    /// work was stopped.
+    /// True if nothing is processed until the analyst requests it, for example because a slider is
+    /// still held, or the work was stopped or failed.
     pub(super) is_waiting: bool,
     pub(super) previewer: Previewer,
     /// Results that are derived from the open logs.
@@ -71,8 +72,8 @@ pub struct FileWork {
     pub(super) exported: Option<Exported>,
     /// State of the open project and its file.
     pub project_saving: ProjectSaving,
-    /// Folder of untitled projects, for decisions about logs that are in no named project, which is
-    /// created with the first of them; `None` where nothing is saved that was not requested.
+    /// Folder in which untitled projects are saved: decisions about logs that are in no named
+    /// project. The first decision creates the folder. `None` if only requested files are written.
     pub untitled_folder: Option<PathBuf>,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
@@ -83,7 +84,7 @@ pub struct FileWork {
 pub struct Findings {
     /// Comparison of heights.
     pub heights: Heights,
-    /// Comparison of positions; `None` before one.
+    /// Comparison of positions; `None` before the first one.
     pub positions: Option<FoundPositions>,
     pub(super) passes: Passes,
     /// Search for objects.
@@ -98,8 +99,7 @@ pub struct ViewState {
     /// Number that grows when another log is shown; views then drop what they cached of the earlier
     /// log.
     pub survey_serial: u64,
-    /// Number that grows when the plane of the survey moves: with each survey opened, and with each
-    /// track applied to it.
+    /// Number that grows each time the plane of the survey is set.
     pub plane_serial: u64,
     /// Selected place.
     pub selection: Option<LogPlace>,
@@ -155,7 +155,7 @@ pub struct App {
     pub view: ViewState,
     /// Base map, reference, measurement and planned lines that the analyst adds to the map.
     pub map: MapWork,
-    /// Logs that were opened before, the newest first.
+    /// Paths of logs and projects that were opened or saved before, the last one first.
     pub recent: Vec<PathBuf>,
     /// Notices to the analyst.
     pub notices: Notices,
@@ -164,7 +164,8 @@ pub struct App {
     pub(super) file_watch: FileWatch,
     /// Search of cards and drives for logs.
     pub card_search: CardSearch,
-    /// The folder that was written last; `None` if none was.
+    /// Folder that the last export wrote into; `None` if nothing was exported, or if something else
+    /// than a folder of products was written since.
     pub written_into: Option<PathBuf>,
     /// Work in the background.
     pub(crate) jobs: JobQueue,
@@ -192,21 +193,21 @@ impl App {
         }
     }
 
-    /// Returns true if results are missing or older than their settings, and no work is running to
-    /// update them.
+    /// Returns true if results of the shown log are missing or older than its settings, and no log
+    /// is being processed.
     pub(crate) fn is_stopped(&self) -> bool {
         self.logs.shown.is_behind() && !self.jobs.is_running(&JobKey::Process)
     }
 
-    /// Returns the running stage of the pipeline, and the done share of it, 0 to 1; `None` if no
-    /// log is being processed.
+    /// Returns the running stage of the pipeline and its progress, 0 to 1; `None` if no log is
+    /// being processed.
     pub(crate) fn running_stage(&self) -> Option<(Stage, f32)> {
         let fraction = self.jobs.fraction(&JobKey::Process)?;
         Some((self.pipeline.requested.as_ref()?.stage(), fraction))
     }
 
-    /// Returns the description of the work that the analyst waits for, and the done share of it, 0
-    /// to 1; `None` if there is none.
+    /// Returns the description of the work that the analyst waits for, and its progress, 0 to 1;
+    /// `None` if there is no such work.
     pub fn awaited(&self) -> Option<(String, f32)> {
         if let Some(fraction) = self.jobs.fraction(&JobKey::OpenLog) {
             return Some((format!("opening {}", self.files.loading), fraction));

@@ -44,7 +44,7 @@ pub(super) enum OpenedPath {
 
 /// Decisions about a log from when it was last open.
 pub(super) enum ReadDecisions {
-    /// Decisions of an untitled project of other logs as well.
+    /// Decisions in an untitled project that is not opened itself.
     Untitled(Box<LogDecisions>),
     /// Path of the named project that has the decisions.
     Named(PathBuf),
@@ -57,12 +57,13 @@ pub(super) enum ReadDecisions {
 /// The bottom edits of a sidecar file, or the error if they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, Error>;
 
-/// Decisions about a log in an untitled project of other logs as well.
+/// Decisions about a log in an untitled project that is not opened itself.
 pub(super) struct LogDecisions {
     log: Arc<ProjectLog>,
     /// Settings that the logs of that project share.
     shared: Settings,
-    /// Settings of the log with the files that they name; the error if these cannot be used.
+    /// Settings of the log, with the contents of the files that they name; the error if the
+    /// settings cannot be used.
     settings: Result<Settings, AppError>,
     /// Notices about files that cannot be read, and about a newer review.
     notes: Vec<String>,
@@ -117,8 +118,8 @@ pub(super) fn find_decisions(
     Ok(OpenedPath::Log(Box::new(survey), ReadDecisions::Untitled(Box::new(decisions))))
 }
 
-/// Returns a notice about a review beside a log that was written after the decisions in a project
-/// and differs from them; `None` if there is none.
+/// Returns a notice about the review file beside a log, if the file is newer than the decisions in
+/// the project and differs from them; `None` otherwise.
 fn newer_review(log: &ProjectLog, survey: &Survey, changed_at: SystemTime) -> Option<String> {
     let path = survey.source.files.first()?.with_extension(REVIEW_SUFFIX);
     let written_at = fs::metadata(&path).and_then(|found| found.modified()).ok()?;
@@ -153,9 +154,9 @@ impl ProjectSaving {
 }
 
 impl App {
-    /// Saves a decision: in the journal of the project. The first decision begins an untitled
-    /// project, unless that is impossible or under way, which contains it as soon as the logs are
-    /// hashed.
+    /// Saves a decision in the journal of the project. If there is no project, the first decision
+    /// creates an untitled one, if possible, as soon as the logs are hashed. A project that is
+    /// already being created will contain the decision too.
     pub(super) fn keep_decision(&mut self, label: &str) {
         let saving = &mut self.files.project_saving;
         if saving.store.is_some() {
@@ -192,8 +193,7 @@ impl App {
         });
     }
 
-    /// Waits until the logs are hashed, if there are decisions to save; otherwise stops to hash
-    /// them.
+    /// Waits until the logs are hashed if there are decisions to save; otherwise stops the hashing.
     pub(super) fn finish_hashing(&mut self) {
         if self.files.project_saving.has_decisions() {
             self.wait_for(&JobKey::HashUntitled);
@@ -249,7 +249,8 @@ impl App {
         is_box_at_risk || is_refused && self.document.history.steps().next().is_some()
     }
 
-    /// Notifies the analyst of where the decisions about a survey are that is being closed.
+    /// Notifies the analyst that the decisions about the survey that is being closed are saved in
+    /// an untitled project, or that they are gone.
     pub(super) fn say_kept(&mut self) {
         let saving = &self.files.project_saving;
         let names: Vec<String> = self.logs.all().map(|log| quoted(&log.name())).collect();
@@ -268,8 +269,8 @@ impl App {
         }
     }
 
-    /// Makes a change that is no decision of the analyst, as an undo step that is not saved before
-    /// the next decision unless a project is open. Returns true if there was a change.
+    /// Makes a change that the analyst did not decide, as an undo step. It is saved at once if a
+    /// project is open, otherwise with the next decision. Returns true if anything changed.
     pub(super) fn take_unkept(
         &mut self,
         label: &'static str,
@@ -287,8 +288,8 @@ impl App {
         true
     }
 
-    /// Saves the decisions about a log that is being closed in an untitled project of its own, so
-    /// that they are there when it is opened again.
+    /// Saves the decisions about a log that is being closed. They get an untitled project of their
+    /// own, so that they are there when the log is opened again.
     pub(super) fn keep_closed(&mut self, id: LogId) {
         let Some(folder) = self.files.untitled_folder.clone() else {
             return;

@@ -22,11 +22,11 @@ use std::path::PathBuf;
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
-/// Naps between two checks; after each nap the check ends if it was cancelled.
+/// Number of naps between two checks; after each nap the check ends if it was cancelled.
 const NAPS: u32 = 4;
 /// Length of a nap.
 const NAP: Duration = Duration::from_millis(250);
-/// Time between two lists of the drives.
+/// Time between two listings of the drives.
 pub(crate) const LISTED_EVERY: Duration = Duration::from_secs(3);
 
 /// Logs whose files are checked, and faults that were reported.
@@ -76,7 +76,7 @@ impl CardSearch {
 }
 
 impl OpenLogs {
-    /// Checks that the files of the open logs still hold the bytes that were opened; see
+    /// Checks that the files of the open logs still hold the bytes that were read from them; see
     /// [`Survey::check_files`].
     ///
     /// # Errors
@@ -137,7 +137,8 @@ impl App {
         );
     }
 
-    /// Lists the drives when the time has come, while no log is open.
+    /// Lists the drives every [`LISTED_EVERY`] while no log is open, and drops the listed drives
+    /// once a log is open.
     pub(super) fn search_cards(&mut self) {
         let Some(drives) = self.card_search.drives else {
             return;
@@ -202,7 +203,8 @@ fn kind(survey: &Survey) -> String {
     )
 }
 
-/// Checks the files until one has a fault, or once; returns the fault of each log that has one.
+/// Checks the files once or, if `repeats` is true, until one has a fault. Returns the fault of each
+/// log that has one, or nothing if the work was cancelled.
 fn look(logs: &[WatchedLog], repeats: bool, progress: &Progress) -> Vec<(LogId, String)> {
     let fault = |(path, bytes): &(PathBuf, Bytes)| Some(FileError::new(bytes.fault(path)?, path));
     let fault = |(id, files): &WatchedLog| Some((*id, files.iter().find_map(fault)?.to_string()));
@@ -231,7 +233,7 @@ mod tests {
 
     const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
-    /// A window on the demo survey as a file.
+    /// Returns a window that shows the demo survey, opened from a file, and the path of this file.
     fn opened(folder: &Path) -> (App, PathBuf) {
         let path = folder.join("pond.sl2");
         fs::write(&path, DEMO).expect("a log");

@@ -5,8 +5,9 @@ use super::{Mark, ObjectExtent};
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_log::survey::{Bytes, Navigation, PingNav, Side, SidePing, SideSpan, Survey};
 
-/// Creates a survey of pings a tenth of a second apart at 2 m/s, which is 0.2 m for each ping, with
-/// 100 samples over 10 m; sample i of ping p has the level `level(p, i)`.
+/// Creates a survey with side-scan on the port side only, and its navigation. The pings are a tenth
+/// of a second and 0.2 m apart (2 m/s), with 100 samples over 10 m; sample `i` of ping `p` has the
+/// level `level(p, i)`.
 pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
     let bytes: Vec<u8> = (0..pings)
         .flat_map(|ping| (0..100).map(move |sample| (ping, sample)))
@@ -26,7 +27,8 @@ pub(super) fn navigation_of(pings: usize) -> Navigation {
     Navigation::of_pings(vec![PingNav::northbound([0.0; 2], 2.0); pings])
 }
 
-/// Creates a sighting at the survey's origin by a boat that heads north, without a height.
+/// Creates a target without a height, seen to port at the survey's origin by a boat that heads
+/// north.
 pub(super) fn target() -> Target {
     Target {
         mark: Mark::new(Side::Port, 100..105, [1.0, 2.0]),

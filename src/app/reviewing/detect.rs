@@ -81,13 +81,14 @@ impl ObjectSearch {
         self.model_path = path;
     }
 
-    /// Returns the name of the model for searches.
+    /// Returns the file name of the model for searches, or the words for the model that comes with
+    /// the program.
     pub(crate) fn model_name(&self) -> String {
         let path = self.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
-    /// Returns the description of the model, as its file was understood; `None` until it is loaded.
+    /// Returns the description of the model that was loaded last; `None` until one is loaded.
     pub(crate) fn model_description(&self) -> Option<&str> {
         let detector = self.detector.as_ref()?;
         Some(&detector.model.description)
@@ -99,7 +100,7 @@ impl ObjectSearch {
         self.running.is_some() || !self.ahead.is_empty()
     }
 
-    /// Removes a log that is being closed from the search.
+    /// Removes a log from the search, because it is being closed or its sides were swapped.
     pub(in crate::app) fn leave(&mut self, log: LogId, jobs: &mut JobQueue) {
         let planned = self.ahead.len();
         self.ahead.retain(|queued| *queued != log);
@@ -124,9 +125,9 @@ pub struct SearchStatus {
     pub log: Option<LogId>,
     /// Position of that log among the searched logs, from 1.
     pub place: usize,
-    /// Number of searched logs.
+    /// Number of logs that the search covers.
     pub logs: usize,
-    /// Done share of all searched logs, 0 to 1.
+    /// Progress of the search over all its logs, 0 to 1.
     pub share: f32,
 }
 
@@ -312,8 +313,8 @@ impl App {
         self.findings.search.running = Some(running);
     }
 
-    /// Adds the boxes of the search of a log that has ended. The whole search is one undo step, but
-    /// the boxes of each log are saved at once.
+    /// Adds the boxes of one log when its search has ended. The search of all logs is one undo
+    /// step, but the boxes of each log are saved at once.
     fn take_search(&mut self, found: Result<Vec<Detection>, AppError>) {
         let Some(running) = self.findings.search.running.take() else {
             return;
@@ -345,8 +346,8 @@ impl App {
         }
     }
 
-    /// Adds the boxes that were found in a log's first pings, as a part of the undo step of the
-    /// search.
+    /// Adds the boxes that were found in the first `pings` pings of a log, as a part of the undo
+    /// step of the search; the step stays open if `live` is true.
     fn adopt(&mut self, id: LogId, found: &[Detection], pings: usize, live: bool) {
         let adopted = self.adopted(id, found, 0..pings);
         if let Some(review) = adopted {

@@ -9,20 +9,22 @@ const FEWEST: usize = 6;
 /// Rounds of the iteration that separates the two parts.
 const ROUNDS: usize = 4;
 
-/// Standard deviation of a depth, estimated from crossings: a part that is the same everywhere, as
-/// of waves and levels, and one that grows with the slope of the bottom, as of positions, delays
-/// and wide beams. The noise from one sounding to the next is not included: the map averages it.
+/// Standard deviation of a depth, estimated from crossings. One part is the same everywhere, for
+/// example because of waves or the water level. The other part grows with the slope of the bottom,
+/// for example because of errors of positions, delays and wide beams. From `FEWEST` crossings on,
+/// the noise from one sounding to the next is removed, because the map averages it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CrossingError {
     /// Part on a level bottom, metres.
     pub level_m: f64,
-    /// Part for a slope of one metre a metre, metres; it is proportional to the slope.
+    /// Part that is proportional to the slope: its size at a slope of 1, metres; 0 where the
+    /// crossings do not determine it.
     pub per_slope_m: f64,
 }
 
 impl CrossingError {
-    /// Returns the error that some crossings of these tracks show; `None` without any. Each of the
-    /// two passes has half of the variance of their difference.
+    /// Returns the error that the crossings of `tracks` show; `None` if no crossing has a known
+    /// difference. Each of the two passes is taken to have half of the variance of the difference.
     pub fn of(crossings: &[Crossing], tracks: &[Vec<TrackDepth>]) -> Option<Self> {
         let slope =
             |crossing: &Crossing| if crossing.slope().is_nan() { 0.0 } else { crossing.slope() };
@@ -67,13 +69,13 @@ impl CrossingError {
     }
 }
 
-/// Least root mean square slope of the steeper half of the crossings that determines the part for
-/// slopes.
+/// Least slope from which the part for slopes is estimated: the root mean square over the steeper
+/// half of the crossings.
 const LEAST_SLOPE: f64 = 0.03;
 
-/// Returns the standard deviation of the noise from one depth of a track to the next, metres, from
-/// the distance of each depth from the mean of its two neighbours, whose own noise adds half of the
-/// variance.
+/// Returns the standard deviation of the noise from one depth of a track to the next, metres; 0 for
+/// fewer than three depths. Each depth is compared with the mean of its two neighbours, which has
+/// half of the variance of a single depth, so that the difference has 1.5 times this variance.
 fn noise_m(track: &[TrackDepth]) -> f64 {
     let off = |three: &[TrackDepth]| {
         (three[1].depth_m - 0.5 * (three[0].depth_m + three[2].depth_m)).abs()
@@ -88,8 +90,8 @@ mod tests {
     use crate::bathymetry::crosslines::CrosslinePass;
     use crate::bathymetry::testing::random;
 
-    /// Crossings on slopes from 0 to 0.6, whose passes have errors of `level_m` and of
-    /// `per_slope_m` times the slope.
+    /// Returns the error found from 400 crossings on slopes from 0 to 0.6, whose passes have errors
+    /// of `level_m` and of `per_slope_m` times the slope.
     fn found(level_m: f64, per_slope_m: f64) -> CrossingError {
         let mut random = random();
         let mut normal = move || (0..12).map(|_| random()).sum::<f64>() - 6.0;

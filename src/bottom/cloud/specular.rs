@@ -227,8 +227,8 @@ fn bridge<T>(pairs: &[Pair], items: &mut [T], value: impl Fn(&mut T) -> &mut f64
     }
 }
 
-/// Replaces the values that `bridge` leaves unknown by the nearest known value, where this is as near
-/// in time as a bridge reaches from its ends.
+/// Sets each value that `bridge` leaves unknown to the nearest known value, if that is at most half
+/// of [`BRIDGED_S`] away in time.
 fn hold(pairs: &[Pair], values: &mut [f64]) {
     let known: Vec<usize> = (0..values.len()).filter(|ping| values[*ping].is_finite()).collect();
     for ping in (0..values.len()).filter(|ping| known.binary_search(ping).is_err()) {

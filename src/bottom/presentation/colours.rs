@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Colour: red, green and blue, sRGB.
 pub type Rgb = [u8; 3];
 
-/// Colours of the echo strengths 0 to 255, in gamma space.
+/// Colours of the echo levels 0 to 255.
 pub type EchoPalette = [Rgb; 256];
 
 /// ColorBrewer's `YlOrRd` in five classes (Brewer 2002).
@@ -35,7 +35,7 @@ const DEEP: [Rgb; 11] = [
     [64, 60, 115],
     [54, 43, 77],
 ];
-/// Black over brown to pale yellow, as side-scan towfish programs show it.
+/// Black through brown to pale yellow, as programs for towed side-scan sonars show echoes.
 const GOLD: &[Rgb] =
     &[[0, 0, 0], [58, 34, 4], [120, 76, 8], [184, 126, 18], [232, 184, 56], [255, 236, 150]];
 /// Matplotlib's `viridis` at every 32nd entry: even steps to the eye, safe for the colour-blind.
@@ -71,11 +71,11 @@ const COOL_TO_WARM: [Rgb; 17] = [
     [203, 62, 56],
     [180, 4, 38],
 ];
-/// Least end of a scale of differences, metres.
+/// Smallest value at which a scale of differences ends, metres.
 const LEAST_M: f64 = 0.01;
 
-/// Returns the place of a depth between the ends of the colour scale, 0 (shallow) to 1 (deep); 0.5
-/// without a span.
+/// Returns the position of a depth on the colour scale, 0 (shallow) to 1 (deep); 0.5 if the ends of
+/// the scale are equal.
 pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
     let [shallow_m, deep_m] = range_m;
     if deep_m > shallow_m {
@@ -102,14 +102,14 @@ pub fn lit_depth_colour(depth_m: f32, range_m: [f32; 2], light: f32) -> Rgb {
         .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8)
 }
 
-/// Returns the colour of a level from black to copper, the classic of fish-finders: red saturates
-/// at 81 % (Matplotlib's `copper`).
+/// Returns the colour of an echo level on a scale from black to copper, as fish-finders show it.
+/// Red is at its maximum from 81 % of the levels on (Matplotlib's `copper`).
 pub fn copper(level: u8) -> Rgb {
     const SLOPES: [f32; 3] = [1.2346, 0.7812, 0.4975];
     SLOPES.map(|slope| (slope * f32::from(level)).round().min(255.0) as u8)
 }
 
-/// Returns the colour of a level from black to white.
+/// Returns the colour of an echo level on a scale from black to white.
 pub fn grey(level: u8) -> Rgb {
     [level; 3]
 }
@@ -124,14 +124,14 @@ pub enum ColourMap {
     Grey,
     /// White to black.
     InverseGrey,
-    /// Black over brown to yellow.
+    /// Black through brown to pale yellow.
     Gold,
     /// Perceptually even (viridis).
     Viridis,
 }
 
 named! {
-    /// All maps in the order of the menu.
+    /// All colour maps in the order of the menu.
     pub ColourMap {
         Copper: "copper",
         Grey: "grey",
@@ -197,8 +197,8 @@ pub fn distance_colour(share: f32) -> Rgb {
 /// echoes, interpolation between neighbours.
 pub const SOURCES: [Rgb; 4] = [[0, 90, 160], [230, 130, 0], [170, 130, 200], [205, 205, 200]];
 
-/// Returns the colour of a share of a scale of any other property of points, 0 (lowest) to 1
-/// (highest): perceptually even.
+/// Returns the colour at `share` of the scale for properties that have no scale of their own, 0
+/// (lowest) to 1 (highest): perceptually even.
 pub fn share_colour(share: f32) -> Rgb {
     ramp(VIRIDIS, share)
 }
@@ -212,8 +212,8 @@ pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
     }
 }
 
-/// Returns the colour at a share, 0 to 1, of the way through at least two colours at even
-/// distances, linear between them.
+/// Returns the colour at a share, 0 to 1, of a scale of at least two evenly spaced colours,
+/// interpolated linearly between neighbours.
 fn ramp(colours: &[Rgb], share: f32) -> Rgb {
     let position = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
     let below = (position as usize).min(colours.len() - 2);
@@ -228,8 +228,8 @@ fn ramp(colours: &[Rgb], share: f32) -> Rgb {
 mod tests {
     use super::*;
 
-    /// matplotlib.colormaps["coolwarm"](share, bytes=True), 3.11: of a table of 256, which cuts
-    /// halves off.
+    /// Colours by Matplotlib 3.11, `matplotlib.colormaps["coolwarm"](share, bytes=True)`, which
+    /// takes them from a table of 256 colours and rounds down.
     const GOLDEN: [(f32, [u8; 3]); 9] = [
         (0.0, [58, 76, 192]),
         (0.1, [88, 118, 226]),

@@ -1,4 +1,4 @@
-//! Joins the maps of all tiles of an archive to one web map: `map_tiles/depth.mbtiles`,
+//! Joins the maps of all tiles of an archive into one web map: `map_tiles/depth.mbtiles`,
 //! `depth.pmtiles`, `depth_values.pmtiles`, `index.html` and, last, `map_tiles.json`, the record of
 //! their inputs. Parts of the map over unchanged tiles are not drawn again.
 
@@ -35,18 +35,18 @@ const FOLDER: &str = "map_tiles";
 const RECORD: &str = "map_tiles.json";
 const CHART: &str = "depth.mbtiles";
 const PAGE: &str = "index.html";
-/// The folder of the parts that the map was drawn in.
+/// The folder of the stored parts of the map.
 const PARTS: &str = "map_parts";
 /// All files, the record of the others first.
 const FILES: [&str; 5] = [RECORD, CHART, PMTILES[0], PMTILES[1], PAGE];
-/// Number of tiles' maps that the light is chosen by; they are evenly spread over the archive.
+/// Greatest number of tiles that the light is chosen from, evenly spread over the archive.
 const LIT_BY: usize = 16;
-/// Number of cells around a web tile that its hill-shade depends on, and by which the cells with a
-/// depth are enlarged, because a pixel beside them may show a depth.
+/// Number of cells around a web tile that its hill-shade depends on. The box of the cells with a
+/// depth is enlarged by it too, because a pixel beside these cells may show a depth.
 const MARGIN_CELLS: f64 = 2.0;
-/// Number of steps of the colour scale; the ends of the scale are multiples of a step, so that a
-/// new log that is a little shallower or deeper than all others leaves the colours of the map
-/// unchanged.
+/// Number by which the range of depths is divided for the step of the colour scale; the step is
+/// rounded up to a round number. The ends of the scale are multiples of the step, so that a new log
+/// that is a little shallower or deeper than all others leaves the colours of the map unchanged.
 const SCALE_STEPS: f64 = 10.0;
 /// Name of the map, the same for every folder.
 const NAME: &str = "Depth map of an archive";
@@ -78,7 +78,7 @@ struct MadeFrom {
     tiles: BTreeMap<String, Vec<Fingerprint>>,
 }
 
-/// Joins the maps of tiles to one web map, if any of them has changed.
+/// Joins the maps of tiles into one web map, if any of them has changed.
 ///
 /// # Errors
 /// When a map cannot be read, a file cannot be written, or the work was cancelled.

@@ -1,7 +1,7 @@
 //! Draws the views of a survey: waterfall, map, cloud, profile, and the table of objects, each in
 //! its own module.
 //!
-//! Input: the state. Output: a picture with marks for each view, and commands.
+//! In: the state. Out: a picture with marks for each view, and commands.
 
 pub(super) mod chip;
 mod cloud;

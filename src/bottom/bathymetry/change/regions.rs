@@ -16,9 +16,10 @@ use std::f64::consts::PI;
 const SMOOTHED_M: f64 = 1.0;
 /// Largest half side of this square in cells: larger averages gain nothing.
 const MOST_SMOOTHED: usize = 10;
-/// Fewest cells of a place that differ by more than any stated error, and the least area that they
-/// cover, square metres: errors of position may make smaller ones.
+/// Fewest cells of a place that differ by more than the largest stated error of a map is likely to
+/// be: errors of position may make a few.
 const FEWEST_DETECTED: usize = 4;
+/// Least area of these cells, square metres.
 const LEAST_DETECTED_M2: f64 = 2.0;
 /// Share of maps without a change in which errors alone make a place.
 const BY_CHANCE: f64 = 0.05;
@@ -135,9 +136,11 @@ impl ChangeField<'_> {
         (found, offset_m)
     }
 
-    /// Returns true if the volume of the detected cells of a place, less the offset of one map from
-    /// the other, is larger than `sigmas` standard deviations of the errors that vary from place to
-    /// place, and more than a few wrong depths differ by `sigmas` stated standard deviations.
+    /// Returns true if errors alone do not explain a place. Rises count from `offset_m`, the offset
+    /// of one map from the other. The volume of the detected cells must exceed `sigmas` standard
+    /// deviations of the errors that vary from place to place. At least [`FEWEST_DETECTED`] of
+    /// these cells, on at least [`LEAST_DETECTED_M2`], must each differ by more than `sigmas`
+    /// stated standard deviations, so that a few wrong depths do not count as a change.
     fn stands_out(
         &self,
         region: &ChangeRegion,

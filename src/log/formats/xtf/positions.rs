@@ -11,13 +11,14 @@ use std::ops::Range;
 
 /// Plausible laybacks of a towed sonar, metres.
 const LAYBACKS_M: Range<f32> = 0.01..20_000.0;
-/// Largest plausible offset, metres; larger ones are damage: no ship is longer.
+/// Largest plausible offset, metres; a larger one is taken for a damaged value and ignored.
 const FARTHEST_M: f32 = 200.0;
-/// Smallest distance between the sonar's and the ship's position, as a share of the layback, for
-/// which the sonar's position counts as its own, with the layback applied.
+/// Smallest distance between the sonar's and the ship's position, as a share of the layback, from
+/// which on the sonar's position is taken to include the layback.
 const OWN_FROM: f64 = 0.5;
 
-/// Position of the sonar relative to the ship's antenna: forward and to starboard, metres.
+/// Offset from one point of the ship to another point or to the sonar: forward and to starboard,
+/// metres.
 type Arm = [f32; 2];
 
 /// Arm and heading of a ping, for positions of packets near it in time.
@@ -40,8 +41,8 @@ pub(super) struct Positions {
     /// Position of the antenna from the ship's reference point.
     antenna_m: Arm,
     latency_ms: i32,
-    /// Indices of the log's fixes that are the ship's, each with the arm from the antenna to the
-    /// sonar.
+    /// Indices of the log's fixes that are the ship's and have to be moved, each with the arm from
+    /// the antenna to the sonar.
     arms: Vec<(usize, Arm)>,
     /// Arms and headings of pings without a position.
     unplaced: Vec<Towing>,
@@ -60,8 +61,8 @@ pub(super) struct Positions {
 }
 
 impl Positions {
-    /// Creates a collection for a file with this header; `origin_m` is the origin of positions in
-    /// metres of a log whose tail is read.
+    /// Creates a collection for a file with this header. `origin_m` is the origin of positions in
+    /// metres, if it is known because earlier bytes of the same log were read before.
     pub(super) fn new(header: Option<FileHeader>, origin_m: Option<[f64; 2]>) -> Self {
         let antenna_m =
             header.map_or([0.0; 2], |header| [header.nav_offset_y_m, header.nav_offset_x_m]);
@@ -132,7 +133,8 @@ impl Positions {
         }
     }
 
-    /// Returns the arm from the antenna to the sonar.
+    /// Returns the arm from the antenna to the sonar, and notes the layback and the offsets for the
+    /// warnings.
     fn arm(&mut self, transducer_m: Arm, layback_m: Option<f32>) -> Arm {
         if let Some(layback_m) = layback_m {
             let [shortest_m, longest_m] = self.laybacks_m.unwrap_or([layback_m; 2]);
@@ -146,8 +148,8 @@ impl Positions {
         [forward_m - layback_m.unwrap_or(0.0), right_m]
     }
 
-    /// Returns true if the used position is the sonar's own: it is stated, and its distance from
-    /// the ship's position is large enough for the layback.
+    /// Returns true if the used position is the sonar's own: the ping states it, and the ship's
+    /// position, if there is one, is another and far enough away for the layback.
     fn is_own(&self, sensor: Option<[f64; 2]>, ship: Option<[f64; 2]>, layback_m: f32) -> bool {
         match (sensor, ship) {
             (Some(sensor), Some(ship)) if sensor == ship => false,
