@@ -59,6 +59,12 @@ fn each_format_is_fuzzed_and_the_installer_offers_its_logs() {
         let is_named = |(ending, _): &(&str, FileRole)| fuzzed.contains(&format!("\"{ending}\""));
         assert!(format.endings.iter().any(is_named), "tests/fuzz/logs.rs feeds no {}", format.name);
     }
+    let targets = text("tests/fuzz/mod.rs");
+    let functions = fuzzed.lines().filter_map(|line| line.strip_prefix("pub(super) fn "));
+    for name in functions.filter_map(|line| line.strip_suffix("(bytes: &[u8]) {")) {
+        let target = format!("logs::{name},");
+        assert!(targets.contains(&target), "TARGETS of tests/fuzz/mod.rs calls no {target}");
+    }
     let installer = text("assets/packaging/windows/installer.nsi");
     let (_, list) = installer.split_once("!macro EachEnding DO").expect("the endings");
     let (list, _) = list.split_once("!macroend").expect("the end of the list");

@@ -8,12 +8,13 @@
 //! 1. Create a folder here, whose `mod.rs` names the sources of the facts in its comment; add its
 //!    `mod` line below.
 //! 2. Implement [`log_format::LogFormat`] there: `recognise` by content, and read into a
-//!    `Collected`; `nmea` is an example of text, `xtf` of records.
+//!    `Collected`; `nmea` is an example of text, `xtf` of records. Samples stay in the file; where
+//!    they have to be unpacked, as in `picture_table`, the log cannot be followed.
 //! 3. Add its row to [`table::FORMATS`], at its place in the order of recognition, with an ending
 //!    that no other row has. A format that is also written implements [`log_writer::LogWriter`];
 //!    the row names its ending. Formats are also named by the lists of fuzzed inputs in
-//!    `tests/fuzz`, by the installer in `assets/packaging/windows`, by the manual's page `files`,
-//!    and by the lists in `src/log/README.md`, `src/log/lib.rs` and below.
+//!    `tests/fuzz` and by the installer in `assets/packaging/windows`, which tests compare, and by
+//!    the lists in `src/log/README.md`, `src/log/lib.rs` and below.
 //! 4. Write its test in its folder or in `src/log/tests/suite/formats`, with a small writer of the
 //!    format in `tests/support`: whole, truncated, damaged.
 //! 5. Run the tests: they print the table for README.md and the line for the flow of archives.
