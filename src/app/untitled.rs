@@ -188,8 +188,10 @@ impl App {
             Ok(()) if app.files.project_saving.store.is_some() => app.keep_project("add log"),
             Ok(()) if app.files.project_saving.has_unkept => app.create_untitled(),
             Err(error) if app.files.project_saving.has_decisions() => app.say_not_kept(&error),
+            // Logs that were opened meanwhile.
+            Ok(()) => app.hash_new_logs(),
             // The first decision tries again, and reports an error.
-            Ok(()) | Err(_) => {}
+            Err(_) => {}
         });
     }
 
