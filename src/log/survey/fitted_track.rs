@@ -90,6 +90,9 @@ pub(super) struct FittedTrack {
     /// Smallest step between two recorded positions, metres, at most 1: the resolution that the
     /// recorder's rounding leaves.
     resolution_m: f64,
+    /// Misfit of a line, metres, beyond which three or four places give a parabola. It is that of
+    /// rounding where each record has a fix of its own, and infinite where records repeat fixes.
+    bends_beyond_m: f64,
 }
 
 impl FittedTrack {
@@ -107,6 +110,7 @@ impl FittedTrack {
         let places = places(&stays, if repeats { interval_s } else { 0.0 });
         Self {
             segments: segments(&places, MAX_GAP_S.max(3.0 * interval_s), f64::INFINITY),
+            bends_beyond_m: if repeats { f64::INFINITY } else { MISFIT * step_by_axis_m(&places) },
             places,
             half_window_s: window_s.max(4.0 * interval_s) / 2.0,
             reach_s: REACH_S + interval_s,
@@ -136,6 +140,7 @@ impl FittedTrack {
         let bridge_m = LONGEST_BRIDGE_M.max(3.0 * quantile(&steps_m, NEARLY_ALL));
         Some(Self {
             segments: segments(&places, 3.0 * longest_s, bridge_m),
+            bends_beyond_m: f64::INFINITY,
             places,
             half_window_s: window_s.max(4.0 * usual_s) / 2.0,
             reach_s: usual_s,
@@ -214,8 +219,8 @@ impl FittedTrack {
     fn fit(&self, time_s: f64) -> Option<(LocalFit, f64)> {
         let mut best = None;
         for half_window_s in NARROWING.map(|share| share * self.half_window_s) {
-            let Some(fit) =
-                LocalFit::over(self.window(time_s, half_window_s), time_s, half_window_s)
+            let window = self.window(time_s, half_window_s);
+            let Some(fit) = LocalFit::over(window, time_s, half_window_s, self.bends_beyond_m)
             else {
                 break;
             };
@@ -407,6 +412,12 @@ fn resolution_m(stays: &[Stay]) -> f64 {
 fn axis_resolution_m(places: &[TimedPosition], axis: usize) -> f64 {
     let steps = places.windows(2).map(|pair| (pair[1].place_m[axis] - pair[0].place_m[axis]).abs());
     steps.filter(|step_m| *step_m > LEAST_STEP_M).fold(1.0, f64::min)
+}
+
+/// Returns the smallest step of the recorded positions along either axis, metres. A boat that
+/// travels far between two fixes has no short steps, but short ones along an axis.
+fn step_by_axis_m(places: &[TimedPosition]) -> f64 {
+    axis_resolution_m(places, 0).min(axis_resolution_m(places, 1))
 }
 
 /// Returns the length that some places cover along an axis, metres.

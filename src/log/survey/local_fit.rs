@@ -84,10 +84,24 @@ fn determinant([[a, b, c], [d, e, f], [g, h, i]]: [[f64; 3]; 3]) -> f64 {
 
 impl LocalFit {
     /// Fits places within half a window around a time; `None` when the places do not span any time.
-    pub(super) fn over(places: &[TimedPosition], time_s: f64, half_window_s: f64) -> Option<Self> {
+    ///
+    /// Three or four places, as a slow recorder has in a window, give a parabola only if a line
+    /// misses them by more than `bends_beyond_m`: a parabola hardly smooths so few.
+    pub(super) fn over(
+        places: &[TimedPosition],
+        time_s: f64,
+        half_window_s: f64,
+        bends_beyond_m: f64,
+    ) -> Option<Self> {
         let moments = Moments::over(places, time_s, half_window_s);
-        let [east, north] = [moments.line(0)?, moments.line(1)?];
-        let curved = places.len() >= 5 && moments.balanced();
+        let lines = [moments.line(0)?, moments.line(1)?];
+        let [east, north] = lines;
+        let curved = moments.balanced()
+            && match places.len() {
+                0..3 => false,
+                3 | 4 => misfit_m(places, time_s, half_window_s, lines) > bends_beyond_m,
+                _ => true,
+            };
         let curve = |axis, line| moments.parabola(axis).filter(|_| curved).unwrap_or(line);
         let curves = [curve(0, east), curve(1, north)];
         Some(Self {

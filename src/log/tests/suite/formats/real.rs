@@ -244,6 +244,33 @@ fn depths_lie_at_the_places_of_their_own_rows() {
 }
 
 #[test]
+fn rows_of_a_slow_recorder_keep_their_places_in_a_turn() {
+    for interval_s in [1.0, 2.0, 5.0] {
+        // Half a minute straight, then a circle of 15 m, at 2 m/s.
+        let place_m = |time_s: f64| {
+            let turned_rad = 2.0 * (time_s - 30.0).max(0.0) / 15.0;
+            let along_m = 2.0 * time_s.min(30.0) + 15.0 * turned_rad.sin();
+            [15.0 * (1.0 - turned_rad.cos()), along_m]
+        };
+        let times_s: Vec<f64> = (0..60).map(|row| f64::from(row) * interval_s).collect();
+        let row = |time_s: &f64| {
+            let [east_m, north_m] = place_m(*time_s);
+            let (lon, lat) = (8.5 + east_m / 75_340.0, 47.5 + north_m / 111_180.0);
+            format!("{:.3},{lat:.9},{lon:.9},5.00\n", 1_757_592_000.0 + time_s)
+        };
+        let text: String = times_s.iter().map(row).collect();
+        let survey = read(format!("time,lat,lon,depth_m\n{text}").into_bytes());
+        let places = navigated(&survey).soundings;
+        assert_eq!(places.len(), 60);
+        for (place, fix) in places.iter().zip(survey.track.fixes.iter()) {
+            let [east_m, north_m] = survey.track.frame.to_enu(fix.position);
+            let off_m = (place.east_m - east_m).hypot(place.north_m - north_m);
+            assert!(off_m < 0.1, "{interval_s} s, {}: {off_m}", fix.time_s);
+        }
+    }
+}
+
+#[test]
 fn soundings_lie_where_the_other_receiver_was_at_their_times() {
     let Some(mut survey) = case("soundings_5hz_for_track.csv") else { return };
     let Some(data) = bathyscope_test_support::real_data() else { return };
