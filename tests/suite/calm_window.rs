@@ -62,8 +62,8 @@ fn cut_off(window: &Window) -> Vec<(String, Rect)> {
     });
     let is_cut = |rect: &Rect| {
         let is_in_sight = rect.top() < height && rect.bottom() > 0.0;
-        // Between the bars of menus and of the place under the pointer.
-        let is_in_panel = rect.top() > 26.0 && rect.bottom() < height - 24.0;
+        // Between the bar of menus and the lines of depths and of the place under the pointer.
+        let is_in_panel = rect.top() > 26.0 && rect.bottom() < height - 24.0 - 19.0;
         let panel = panels.iter().find(|panel| {
             let begins = panel.left() - 1.0..panel.right();
             is_in_panel && begins.contains(&rect.left())

@@ -1,6 +1,7 @@
 //! The status bar has everything that is known of a place, and cuts nothing off.
 
 use crate::calm_window::window_of;
+use crate::logs_window::change;
 use crate::window::{Window, app, demo_window};
 use bathyscope::app::{Command, LogPlace};
 use bathyscope_log::support::geo::CoordinateFormat;
@@ -86,4 +87,23 @@ fn a_heading_of_the_compass_is_called_so() {
     let texts = status_bar(&window);
     let starts = |start: &str| texts.iter().any(|(text, _)| text.starts_with(start));
     assert!(starts("compass ") && !starts("COG "), "{texts:?}");
+}
+
+#[test]
+fn the_depth_line_names_what_is_missing_and_leads_to_its_control() {
+    use egui_kittest::kittest::NodeT as _;
+    let mut window = demo_window();
+    window.run();
+    for text in ["Depths below transducer", "draft not given", "water level not given"] {
+        window.get_by_label(text);
+    }
+    window.get_by_label("sound speed 1500 m/s assumed");
+    window.get_by_label_contains("error ±");
+    window.get_by_label("draft not given").click();
+    window.run();
+    assert!(window.get_all_by_label("Draft").any(|control| control.accesskit_node().is_focused()));
+    change(&mut window, "draft_m=0.3");
+    window.run();
+    window.get_by_label("Depths below surface");
+    window.get_by_label("draft 0.30 m");
 }

@@ -3,6 +3,7 @@
 mod calibration;
 pub(super) mod cloud;
 mod corrections;
+pub(super) mod depth_line;
 pub(super) mod exclusions;
 pub(super) mod find_setting;
 pub(super) mod first_return;

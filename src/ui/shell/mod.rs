@@ -383,6 +383,12 @@ impl Shell {
             .exact_size(panels::STATUS_HEIGHT)
             .frame(bar)
             .show(ui, |ui| panels::status::ui(ui, &mut context));
+        if context.app.logs.shown.survey.is_some() {
+            Panel::bottom("depth line")
+                .exact_size(panels::depth_line::HEIGHT)
+                .frame(bar.inner_margin(egui::Margin::symmetric(8, 1)))
+                .show(ui, |ui| panels::depth_line::ui(ui, &mut context));
+        }
         let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
         SidePanel::Steps.ui(ui, &mut context, side, |ui, context| {
             panels::of_given_width(ui, |ui| {
