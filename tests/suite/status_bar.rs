@@ -2,11 +2,11 @@
 
 use crate::calm_window::window_of;
 use crate::logs_window::change;
-use crate::window::{Window, app, demo_window};
+use crate::window::{Window, app, demo_window, press};
 use bathyscope::app::{Command, LogPlace};
 use bathyscope_log::support::geo::CoordinateFormat;
 use bathyscope_log::survey::{HeadingSource, Side};
-use egui::Rect;
+use egui::{Key, Modifiers, Rect};
 use egui_kittest::kittest::Queryable as _;
 
 /// Texts of the status bar with their places, left to right.
@@ -102,6 +102,19 @@ fn the_depth_line_names_what_is_missing_and_leads_to_its_control() {
     window.get_by_label("draft not given").click();
     window.run();
     assert!(window.get_all_by_label("Draft").any(|control| control.accesskit_node().is_focused()));
+    let sections = [
+        ("Depths below transducer", "Depth correction section"),
+        ("sound speed 1500 m/s assumed", "Depth correction section"),
+        ("error ±", "Depth map section"),
+    ];
+    for (part, section) in sections {
+        // The panel is shown if it was hidden.
+        press(&mut window, Modifiers::NONE, Key::F7);
+        window.get_by_label_contains(part).click();
+        window.run();
+        let title = window.get_by_label(section);
+        assert!(title.accesskit_node().is_focused(), "{part}");
+    }
     change(&mut window, "draft_m=0.3");
     window.run();
     window.get_by_label("Depths below surface");
