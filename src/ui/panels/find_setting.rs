@@ -3,7 +3,7 @@
 
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::settings::{SettingRow, rows};
-use egui::{Context, Id, Response, Stroke, StrokeKind, Ui};
+use egui::{Context, FocusDirection, Id, Response, Stroke, StrokeKind, Ui};
 
 /// Place in the window where the controls of some settings are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,6 +146,10 @@ fn marked_id() -> Id {
     Id::unique("setting that is marked")
 }
 
+fn number_id() -> Id {
+    Id::unique("setting whose number gets the keyboard")
+}
+
 /// Requests that the control of a setting takes the keyboard when it is drawn next.
 pub(crate) fn seek(ctx: &Context, key: &'static str) {
     ctx.data_mut(|data| data.insert_temp(sought_id(), key));
@@ -171,12 +175,25 @@ pub(crate) fn answer(ui: &Ui, context: &ViewContext<'_>, key: &str, control: &Re
         give_up(ctx);
         control.request_focus();
         control.scroll_to_me(Some(egui::Align::Center));
+        ctx.data_mut(|data| data.insert_temp(number_id(), key.to_owned()));
+        ctx.request_repaint();
     }
     let is_marked = ctx.data(|data| data.get_temp(marked_id()) == Some(key.to_owned()));
     if is_marked && (control.has_focus() || control.gained_focus()) {
         let stroke = Stroke::new(1.5, theme::accent_colour(context.theme()));
         let frame = control.rect.expand(2.0);
         ui.painter().rect_stroke(frame, 3.0, stroke, StrokeKind::Outside);
+    }
+}
+
+/// Moves the keyboard from a slider that got it in the last frame, because its setting was
+/// requested, to the number beside it: digits that are typed then edit the number. Must be called
+/// before the slider is drawn.
+pub(crate) fn edit_number(ui: &Ui, key: &str) {
+    let is_wanted = ui.data(|data| data.get_temp(number_id()) == Some(key.to_owned()));
+    if is_wanted {
+        ui.data_mut(|data| data.remove::<String>(number_id()));
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::Next));
     }
 }
 

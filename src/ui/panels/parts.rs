@@ -267,6 +267,7 @@ fn number(
                 .custom_parser(read);
             return ui.add(value.suffix(suffix));
         }
+        find_setting::edit_number(ui, setting.key);
         let value_width = value_width(ui, &shown, none_word);
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(24.0);
         ui.spacing_mut().interact_size.x = value_width;

@@ -320,6 +320,22 @@ mod tests {
         assert_ne!(before, after);
     }
 
+    #[test]
+    fn a_setting_that_is_gone_to_takes_the_digits_that_are_typed() {
+        let mut window = demo_window();
+        let ctx = window.ctx.clone();
+        // A slider with its number, and a number alone.
+        for key in ["draft_m", "water_level_m"] {
+            window.state_mut().carry_out(&ctx, Command::ShowSetting(key));
+            window.run();
+            press(&mut window, egui::Modifiers::COMMAND, Key::A);
+            window.event(Event::Text("0,45".to_owned()));
+            press(&mut window, egui::Modifiers::NONE, Key::Enter);
+        }
+        let settings = &window.state().app.logs.shown.settings;
+        assert_eq!([settings.draft_m, settings.water_level_m], [0.45, 0.45]);
+    }
+
     fn best(query: &str) -> &'static str {
         let scored = Action::ALL
             .iter()
