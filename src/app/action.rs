@@ -4,7 +4,7 @@
 
 mod rows;
 
-use super::options::{LayoutPreset, View};
+use super::options::{LayoutPreset, View, WorkStep};
 use bathyscope_log::formats::formats_to_open;
 pub(in crate::app) use rows::action_rows;
 use std::sync::LazyLock;
@@ -76,6 +76,8 @@ pub(crate) enum WindowAction {
     Maximise,
     /// Moves the keyboard to the next panel.
     FocusPanels,
+    /// Opens a step of the work.
+    OpenStep(WorkStep),
     /// Shows or hides the panel of steps.
     StepsPanel,
     /// Shows or hides the panel of details.

@@ -10,7 +10,7 @@ use super::source::{Instrument, with_sides};
 use super::{
     Action, App, Command, Enlarged, FileToOpen, FileToWrite, FoundPositions, LayoutPreset, LogId,
     LogOrigin, LogPlace, MapLayer, Orientation, SideColours, ThemeChoice, Tool, View, ViewOptions,
-    WindowAction,
+    WindowAction, WorkStep,
 };
 use bathyscope_bottom::mosaic::Gain;
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit};
@@ -165,6 +165,7 @@ impl App {
             // Views, their arrangement and the keyboard are handled by the window.
             Command::ByKey { .. }
             | Command::ShowSetting(_)
+            | Command::ShowSection(_)
             | Command::Focus(_)
             | Command::ChooseExportFolder(_)
             | Command::PrintInto(_) => {}

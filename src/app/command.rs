@@ -107,6 +107,8 @@ pub enum Command {
     },
     /// Bring the control of a setting into view, by its key, and move the keyboard to it.
     ShowSetting(&'static str),
+    /// Open a section of the panel of steps, by its title, and move the keyboard to it.
+    ShowSection(&'static str),
     /// Move the keyboard focus to a view.
     Focus(View),
     /// Choose this folder in the dialog of the products.

@@ -42,6 +42,7 @@ mod state;
 pub(crate) mod system_words;
 mod untitled;
 mod watching;
+mod work_step;
 
 pub use action::{Action, KeyFocus, Keys, is_bare};
 pub(crate) use action::{ActionGroup, WindowAction};
@@ -67,6 +68,7 @@ pub(crate) use options::LayoutPreset;
 pub use options::{
     ClipBox, CloudColour, CloudOptions, EchogramChannel, MapOptions, Orientation, PanelOptions,
     PanelShown, SideColours, SwathShown, ThemeChoice, View, ViewOptions, WaterfallOptions,
+    WorkStep,
 };
 pub use passes::{LogPass, PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines};
@@ -79,6 +81,7 @@ pub use reviewing::{
 pub use source::Mountings;
 pub use state::App;
 pub(crate) use watching::LISTED_EVERY as CARDS_LISTED_EVERY;
+pub(crate) use work_step::StepState;
 
 pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};

@@ -1,6 +1,7 @@
 //! Defines the display options, which are saved between runs and never affect a result.
 
 use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
+use bathyscope_bottom::calibration::ScaleMode;
 use bathyscope_bottom::picture::PictureGeometry;
 use bathyscope_bottom::presentation::colours::ColourMap;
 use bathyscope_bottom::presentation::units::Units;
@@ -28,6 +29,29 @@ bathyscope_log::listed! {
     }
 }
 
+bathyscope_log::listed! {
+    /// All steps, in working order.
+    const ALL;
+
+    /// Step of the work on a survey.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+    pub enum WorkStep {
+        /// The open logs, and what they contain.
+        #[default]
+        Logs,
+        /// First return of the bottom.
+        Bottom,
+        /// Scale, draft, water level, sound speed, positions, mounting and exclusions.
+        Correct,
+        /// Outliers, depth map, isobaths, mosaic and planned lines.
+        Map,
+        /// Objects on the bottom.
+        Objects,
+        /// Residuals, comparison and files.
+        Export,
+    }
+}
+
 impl View {
     /// The views that are pictures, and can be printed.
     pub(crate) const PICTURES: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
@@ -50,6 +74,10 @@ pub(crate) enum LayoutPreset {
     Survey,
     /// A large waterfall above, map and cloud below.
     Review,
+    /// A large map, with cloud and waterfall beside it.
+    Map,
+    /// A waterfall above, table of objects and map below.
+    Objects,
     /// One view alone.
     Only(View),
 }
@@ -372,7 +400,7 @@ pub enum PanelShown {
     Never,
 }
 
-/// Visibility of the panels beside the views.
+/// Visibility of the panels beside the views, and what the left one contains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PanelOptions {
@@ -380,6 +408,8 @@ pub struct PanelOptions {
     pub steps: PanelShown,
     /// Panel of the selection, on the right.
     pub details: PanelShown,
+    /// The step of the work that is open in the panel of steps.
+    pub step: WorkStep,
 }
 
 /// Visibility of the points of a swath.
@@ -440,6 +470,7 @@ impl ViewOptions {
             ..options.waterfall
         };
         options.map.swipe = Swipe::default();
+        options.panels.step = WorkStep::default();
         options.swath = SwathShown::default();
         options.show_boxes(true);
         options.objects.state = None;
@@ -449,6 +480,23 @@ impl ViewOptions {
     /// Returns true if boxes are drawn in any view.
     pub(crate) fn shows_boxes(&self) -> bool {
         self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
+    }
+
+    /// Returns true if the numbered flat stretches are drawn in a view: only in the step that they
+    /// serve.
+    pub(crate) fn shows_flat_stretches(&self, view: View) -> bool {
+        let is_on = match view {
+            View::Waterfall => self.waterfall.flat_stretches,
+            View::Map => self.map.flat_spots,
+            View::Cloud | View::Objects => false,
+        };
+        is_on && self.panels.step == WorkStep::Correct
+    }
+
+    /// Returns true if the stretch that the calibration measured is drawn: where its scale is in
+    /// use, and in the step of the calibration.
+    pub(crate) fn shows_measured_stretch(&self, in_use: ScaleMode) -> bool {
+        in_use == ScaleMode::FlatSpot || self.panels.step == WorkStep::Correct
     }
 
     /// Sets whether boxes are drawn, in all views.

@@ -4,8 +4,10 @@
 use crate::cli::{refusal, run, stderr_of};
 use crate::review::mouse::{at, drag, pull};
 use crate::support;
-use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
-use bathyscope::app::{App, BottomStroke, Command, FileToOpen, FileToWrite, Ink};
+use crate::window::{
+    Window, app, demo_window, drawn_window, empty_window, open_step, press, settle,
+};
+use bathyscope::app::{App, BottomStroke, Command, FileToOpen, FileToWrite, Ink, WorkStep};
 use bathyscope_bottom::first_return::Pick;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::Side;
@@ -39,6 +41,7 @@ fn near(found: Option<f64>, expected: f64) -> bool {
 #[test]
 fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     let mut window = demo_window();
+    open_step(&mut window, WorkStep::Bottom);
     press(&mut window, Modifiers::NONE, Key::F);
     let found =
         |window: &Window| app(window).logs.shown.products.as_ref().expect("a result").found.clone();
@@ -92,6 +95,7 @@ fn starboard(
 #[test]
 fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     let mut window = demo_window();
+    open_step(&mut window, WorkStep::Bottom);
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::M);
     window.get_by_label("Draw the bottom on both sides").click_accesskit();
@@ -288,6 +292,7 @@ fn the_window_with_the_pen_in_hand_looks_as_it_did() {
     let mut window = drawn_window([1024.0, 680.0]);
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
+    open_step(&mut window, WorkStep::Bottom);
     window.state_mut().show_pings(0..500);
     press(&mut window, Modifiers::NONE, Key::M);
     for (side, path, ink) in [

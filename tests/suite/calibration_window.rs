@@ -2,8 +2,8 @@
 //! shown, and only then it is taken.
 
 use crate::support::real_data;
-use crate::window::{Window, app, demo_window, drop_file, empty_window, press};
-use bathyscope::app::{Action, Command, LogPlace, Tool};
+use crate::window::{Window, app, demo_window, drop_file, empty_window, open_step, press};
+use bathyscope::app::{Action, Command, LogPlace, Tool, WorkStep};
 use bathyscope_bottom::calibration::{PingRange, ScaleMode};
 use bathyscope_bottom::cloud::PointClass;
 use bathyscope_log::survey::Side;
@@ -176,6 +176,7 @@ fn candidates_are_buttons_that_propose_and_say_what_is_worse() {
 #[test]
 fn a_stretch_is_accepted_as_bottom_with_one_action() {
     let mut window = demo_window();
+    open_step(&mut window, WorkStep::Bottom);
     let figures = app(&window).logs.shown.figures.clone().expect("figures");
     let above = figures.above_bottom;
     let stretch = (above.stretches.iter())

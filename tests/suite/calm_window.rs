@@ -4,8 +4,10 @@
 use crate::review::{detections, propose};
 use crate::support::snapshot_options;
 use crate::units_window::painted;
-use crate::window::{Window, app, demo_window, drop_file, empty_window, press, settle};
-use bathyscope::app::{Action, App, Command, Jobs, ThemeChoice, View};
+use crate::window::{
+    Window, app, demo_window, drop_file, empty_window, open_section, open_step, press, settle,
+};
+use bathyscope::app::{Action, App, Command, Jobs, ThemeChoice, View, WorkStep};
 use bathyscope::ui::Shell;
 use bathyscope_bottom::presentation::units::{LengthUnit, Units};
 use egui::accesskit::Role;
@@ -62,8 +64,9 @@ fn cut_off(window: &Window) -> Vec<(String, Rect)> {
     });
     let is_cut = |rect: &Rect| {
         let is_in_sight = rect.top() < height && rect.bottom() > 0.0;
-        // Between the bar of menus and the lines of depths and of the place under the pointer.
-        let is_in_panel = rect.top() > 26.0 && rect.bottom() < height - 24.0 - 19.0;
+        // Between the bars of menus and steps and the lines of depths and of the place under the
+        // pointer.
+        let is_in_panel = rect.top() > 26.0 + 24.0 && rect.bottom() < height - 24.0 - 19.0;
         let panel = panels.iter().find(|panel| {
             let begins = panel.left() - 1.0..panel.right();
             is_in_panel && begins.contains(&rect.left())
@@ -121,7 +124,7 @@ fn the_panels_go_and_come_by_key_and_stay_so() {
     let mut window = demo_window();
     let before = views(&window).width();
     press(&mut window, Modifiers::NONE, Key::F7);
-    assert!(window.query_by_label("First return section").is_none());
+    assert!(window.query_by_label("Survey section").is_none());
     press(&mut window, Modifiers::NONE, Key::F8);
     assert!(window.query_by_label("Selection section").is_none());
     assert!(views(&window).width() > before + 450.0);
@@ -131,13 +134,14 @@ fn the_panels_go_and_come_by_key_and_stay_so() {
     let mut next = demo_window();
     next.state_mut().app.view.options = kept;
     next.run();
-    assert!(next.query_by_label("First return section").is_none());
+    assert!(next.query_by_label("Survey section").is_none());
     let button = Action::StepsPanel.label();
     next.get_by_role_and_label(Role::Button, button).click();
     next.run();
     next.run();
-    assert!(next.query_by_label("First return section").is_some());
+    assert!(next.query_by_label("Survey section").is_some());
     // A section folds by a click on its title.
+    open_step(&mut next, WorkStep::Bottom);
     let knob = |window: &Window| {
         let knobs = window.query_all_by_role_and_label(Role::Slider, "Dead zone");
         knobs.count()
@@ -240,7 +244,9 @@ fn zero_that_stands_for_no_value_says_so() {
     window.set_size(egui::vec2(1400.0, 2800.0));
     window.run();
     let says = |window: &Window, word: &str| painted(window).iter().any(|(text, _)| text == word);
+    open_step(&mut window, WorkStep::Map);
     assert!(says(&window, "automatic"), "the interval of the isobaths");
+    open_section(&mut window, WorkStep::Correct, "Excluded");
     assert!(says(&window, "none"), "no turn is excluded");
     let stops = window.get_by_role_and_label(Role::Slider, "Stops below");
     stops.set_value_accesskit(0.5);
@@ -256,6 +262,7 @@ fn a_change_is_named_in_the_units_of_the_day_it_is_read() {
     let feet = Units { length: LengthUnit::Feet, ..Units::default() };
     window.state_mut().app.view.options.units = feet;
     window.run();
+    open_step(&mut window, WorkStep::Correct);
     let draft = window.get_by_role_and_label(Role::Slider, "Draft");
     draft.set_value_accesskit(5.0);
     window.run();

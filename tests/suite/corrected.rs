@@ -1,8 +1,10 @@
 //! Tests corrections of depths and positions, entered in Bathyscope as an analyst would, and
 //! undone.
 
-use crate::window::{Window, app, demo_window, drop_file, press, type_export_folder};
-use bathyscope::app::{Action, Command};
+use crate::window::{
+    Window, app, demo_window, drop_file, open_section, open_step, press, type_export_folder,
+};
+use bathyscope::app::{Action, Command, WorkStep};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -11,6 +13,7 @@ use egui_kittest::kittest::Queryable as _;
 fn draft_and_sound_speed_move_the_cloud_and_can_be_undone() {
     let mut window = demo_window();
     let before_m = depth_m(&window);
+    open_step(&mut window, WorkStep::Correct);
     window.get_by_role_and_label(Role::Slider, "Draft").set_value_accesskit(0.4);
     window.run();
     assert!((depth_m(&window) - before_m - 0.4).abs() < 1e-6);
@@ -62,6 +65,7 @@ fn readings_of_a_gauge_are_chosen_dropped_and_left() {
     let mut window = demo_window();
     let before_m = depth_m(&window);
     let high = write("high.csv", &readings(&window, 0.75));
+    open_step(&mut window, WorkStep::Correct);
     window.get_by_label("Open water levels…").click_accesskit();
     window.run();
     let field = window.get_by_label("Path of a CSV with time and level_m");
@@ -129,6 +133,7 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     let late_m = moved_m(&window);
     let speed_mps = recorded.pings[1000].speed_mps;
     assert!((apart_m(&window) / (3.0 * speed_mps) - 1.0).abs() < 0.3, "{}", apart_m(&window));
+    open_section(&mut window, WorkStep::Correct, "Position");
     window.get_by_role_and_label(Role::SpinButton, "Time offset").set_value_accesskit(3.0);
     window.run();
     assert!(apart_m(&window) < 0.01, "{}", apart_m(&window));

@@ -3,8 +3,8 @@
 
 use crate::cli::run;
 use crate::support::demo_log;
-use crate::window::{Window, app, demo_window};
-use bathyscope::app::{Command, LogPlace};
+use crate::window::{Window, app, demo_window, open_section, open_step};
+use bathyscope::app::{Command, LogPlace, WorkStep};
 use bathyscope_bottom::cloud::{ClassCounts, PointSource};
 use bathyscope_log::support::statistics::colour_ends;
 use bathyscope_products::pipeline::Products;
@@ -138,12 +138,10 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
     let found = figures.residuals.expect("residuals");
     assert_eq!(found.median_m, median_m);
     let same_ping = format!("+{:.1} cm · p95 {:.1} cm", 100.0 * median_m, 100.0 * found.p95_m);
-    let shown = names(&window, &same_ping);
-    assert!(!shown.is_empty(), "{same_ping}: {:?}", names(&window, "p95"));
-    window.state_mut().app.apply(Command::CompareWithReference);
-    window.run();
-    let panels = names(&window, &same_ping).len();
-    assert_eq!(panels, 2, "cloud and residuals: {:?}", names(&window, "p95"));
+    open_section(&mut window, WorkStep::Map, "Cloud");
+    assert_eq!(names(&window, &same_ping).len(), 1, "cloud: {:?}", names(&window, "p95"));
+    open_step(&mut window, WorkStep::Export);
+    assert_eq!(names(&window, &same_ping).len(), 1, "residuals: {:?}", names(&window, "p95"));
 }
 
 #[test]
@@ -155,6 +153,7 @@ fn the_share_of_outliers_is_one_number() {
     assert!(classes.noise() > 20, "{classes:?}");
     let percent = format!("({:.1} %", 100.0 * classes.noise_share());
     let panel = format!("{percent})");
+    open_section(&mut window, WorkStep::Map, "Outliers");
     let places = window.query_all_by_label_contains(&panel).count();
     assert_eq!(places, 2, "{panel}: {:?}", names(&window, "%"));
     let cloud = format!("removed {percent})");
@@ -208,7 +207,8 @@ fn info_and_process_state_one_scale() {
 
 #[test]
 fn the_offset_in_use_stands_in_panel_picture_report_and_page() {
-    let window = demo_window();
+    let mut window = demo_window();
+    open_step(&mut window, WorkStep::Correct);
     let products = app(&window).logs.shown.products.clone().expect("a result");
     let added_m = -products.calibration.offset_m;
     assert!(added_m > 0.02, "the demo has an offset: {added_m}");

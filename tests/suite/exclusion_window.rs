@@ -4,8 +4,8 @@
 use crate::bottom::draw;
 use crate::logs_window::{change, opened, settle};
 use crate::review::mouse::{at, drag, pull};
-use crate::window::{Window, app, demo_window, drawn_window, press, settle as drawn};
-use bathyscope::app::{Command, LogId, OpenLog, Tool};
+use crate::window::{Window, app, demo_window, drawn_window, open_section, press, settle as drawn};
+use bathyscope::app::{Command, LogId, OpenLog, Tool, WorkStep};
 use bathyscope_log::survey::{ExcludedStretch, ExclusionReason};
 use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -160,6 +160,7 @@ fn a_drag_that_is_given_up_changes_nothing() {
 #[test]
 fn turns_are_found_listed_and_taken_back_in() {
     let mut window = demo_window();
+    open_section(&mut window, WorkStep::Correct, "Excluded");
     change(&mut window, "excluded.max_turn_deg_s=4");
     let found = exclusions(&window);
     assert!(!found.is_empty(), "the demo turns");
@@ -230,6 +231,7 @@ fn excluded_stretches_look_as_they_did() {
     let mut window = drawn_window([1400.0, 1000.0]);
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
+    open_section(&mut window, WorkStep::Correct, "Excluded");
     change(&mut window, "excluded.max_turn_deg_s=4");
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::K);

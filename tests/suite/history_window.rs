@@ -10,10 +10,10 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 /// The rows of the list: what each step is called, and how it stands.
 fn rows(window: &Window) -> Vec<String> {
-    let rows = window.query_all_by_label_contains("Step ");
+    let rows = window.query_all_by_label_contains("Change ");
     let label = |node: egui_kittest::Node<'_>| node.accesskit_node().label();
     rows.filter_map(label)
-        .filter_map(|label| Some(label.strip_prefix("Step ")?.to_owned()))
+        .filter_map(|label| Some(label.strip_prefix("Change ")?.to_owned()))
         .collect()
 }
 
@@ -63,7 +63,7 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     assert_eq!(names(&window), ["lake-1", "lake-0"]);
 
     // Back over several steps at once, and what is taken back is still in the list.
-    window.get_by_label("Step a test 0.41, done").click();
+    window.get_by_label("Change a test 0.41, done").click();
     settle(&mut window);
     assert_eq!(names(&window), ["lake-0", "lake-1"]);
     assert!(app(&window).logs.all().all(|log| log.is_visible));
@@ -77,13 +77,13 @@ fn steps_are_named_by_what_became_of_which_log_and_a_click_goes_there() {
     assert_eq!(app(&window).document.history.redo_label(), Some("a test 0.70 m of lake-1"));
 
     // By the keyboard: to the row, and Enter.
-    window.get_by_label("Step bottom of lake-1, taken back").focus();
+    window.get_by_label("Change bottom of lake-1, taken back").focus();
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     settle(&mut window);
     assert_eq!(app(&window).logs.shown.settings.bottom.ping_count(), 31);
     assert_eq!(app(&window).document.history.undo_label(), Some("bottom of lake-1"));
-    window.get_by_label("Step as opened, done").click();
+    window.get_by_label("Change as opened, done").click();
     settle(&mut window);
     assert_eq!(threshold(&window), 0.30);
     assert_eq!(app(&window).document.history.undo_label(), None);

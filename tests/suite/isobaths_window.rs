@@ -1,7 +1,7 @@
 //! Isobaths in the window: the controls of their settings, and the area that they end at.
 
-use crate::window::{Window, app, demo_window, press, settle};
-use bathyscope::app::{Action, Command, FileToOpen};
+use crate::window::{Window, app, demo_window, open_step, press, settle};
+use bathyscope::app::{Action, Command, FileToOpen, WorkStep};
 use bathyscope_bottom::presentation::units::LengthUnit;
 use bathyscope_log::support::geo::LonLat;
 use bathyscope_products::pipeline::Preset;
@@ -47,6 +47,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
     assert!(!west.is_empty() && west.len() < whole.len());
     // The plane of the map is bent against that of the window, by far less than a millimetre here.
     assert!(west.iter().all(|at| at.lon_deg < middle_deg + 1e-8));
+    open_step(&mut window, WorkStep::Map);
     assert!(window.query_by_label_contains("shore.kml").is_some());
 
     press(&mut window, Modifiers::COMMAND, Key::Z);
@@ -78,6 +79,7 @@ fn isobaths_end_at_the_area_that_is_opened_and_undo_takes_it_back() {
 #[test]
 fn the_panel_has_a_control_for_each_setting_of_the_isobaths() {
     let mut window = demo_window();
+    open_step(&mut window, WorkStep::Map);
     settle(&mut window);
     // High enough for the whole panel.
     window.set_size(egui::vec2(1400.0, 3200.0));

@@ -3,8 +3,8 @@
 
 use crate::keyboard_window::log_with_boxes;
 use crate::review::search::model;
-use crate::window::{Window, app, empty_window, press, threshold};
-use bathyscope::app::{Action, App, Command, Jobs, KeyFocus, LogPlace, View, is_bare};
+use crate::window::{Window, app, empty_window, open_step, press, threshold};
+use bathyscope::app::{Action, App, Command, Jobs, KeyFocus, LogPlace, View, WorkStep, is_bare};
 use bathyscope::ui::Shell;
 use bathyscope_objects::review::{Reviewed, State};
 use bathyscope_products::pipeline::{SettingValues, setting_values};
@@ -370,7 +370,10 @@ fn the_first_tab_after_a_search_selects_a_box() {
         window.key_press(Key::Enter);
     };
     let by_button: Opens = |window| {
-        window.get_by_label("Find objects").focus();
+        open_step(window, WorkStep::Objects);
+        // The table of objects offers it, too; the first button is that of the panel.
+        let button = window.get_all_by_label("Find objects").next();
+        button.expect("the search is offered").focus();
         window.step();
         window.key_press(Key::Enter);
     };

@@ -2,7 +2,9 @@
 //! real river.
 
 use crate::support;
-use bathyscope::app::{Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View};
+use bathyscope::app::{
+    Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View, WorkStep,
+};
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, surface};
@@ -368,7 +370,9 @@ fn a_click_with_the_tool_proposes_the_stretch_around_it() {
 
 #[test]
 fn a_numbered_stretch_says_how_flat_it_is_and_is_proposed_by_a_click() {
-    let mut window = open(Room::map());
+    let mut room = Room::map();
+    room.app.view.options.panels.step = WorkStep::Correct;
+    let mut window = open(room);
     let badge = pond_middle(&window) - vec2(0.0, 15.5);
     click(&mut window, badge);
     let expected = PingRange { start: 333, end: 374 };

@@ -9,8 +9,8 @@ use crate::logs_window::{names, settle};
 use crate::many_logs::{HIGHER_M, write_logs};
 use crate::printing::name_file;
 use crate::review::mouse::{at, drag};
-use crate::window::{Window, app, drop_file, empty_window, press};
-use bathyscope::app::{OpenLog, Tool};
+use crate::window::{Window, app, drop_file, empty_window, open_section, open_step, press};
+use bathyscope::app::{OpenLog, Tool, WorkStep};
 use bathyscope_log::formats;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{ExclusionReason, Identity, Side, turn_rates_deg_s};
@@ -199,9 +199,11 @@ fn leave_a_turn_out(window: &mut Window) -> [usize; 2] {
     assert!(turn[0].abs_diff(first) <= 3 && turn[1].abs_diff(last) <= 3);
     assert_eq!(kept_points(log(window, "lake-1"), turn), 0);
     // What the analyst sees of it: the list, the count, the waterfall.
+    open_section(window, WorkStep::Correct, "Excluded");
     window.get_by_label(&format!("Stretch drawn {}..{}", turn[0], turn[1]));
     window.get_by_label_contains("1 drawn stretch: ");
     window.get_by_label_contains(", 1 stretch excluded, excluding stretches");
+    open_step(window, WorkStep::Logs);
 
     // Another turn on the map, of a log that is not shown; a slip, taken back with a click.
     let id = log(window, "lake-3").id;
@@ -234,7 +236,9 @@ fn correct_a_bottom(window: &mut Window) {
     let edits = &log(window, "lake-2").settings.bottom;
     assert!((36..=46).contains(&edits.ping_count()), "{}", edits.ping_count());
     assert_eq!(app(window).document.history.undo_label(), Some("bottom of lake-2"));
+    open_step(window, WorkStep::Bottom);
     window.get_by_label_contains("pings edited");
+    open_step(window, WorkStep::Logs);
     let products = log(window, "lake-2").products.as_ref().expect("results");
     let survey = log(window, "lake-2").survey.as_ref().expect("a log");
     let pick = products.returns.port[50];

@@ -4,8 +4,10 @@
 use crate::bottom::draw;
 use crate::map_tools::click;
 use crate::review::{detections, propose};
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, Command, LogPlace, MapLayer};
+use crate::window::{
+    Window, app, demo_window, drawn_window, open_section, open_step, press, settle,
+};
+use bathyscope::app::{Action, Command, LogPlace, MapLayer, WorkStep};
 use bathyscope_bottom::presentation::units::{LengthUnit, SpeedUnit, Units};
 use bathyscope_products::pipeline::settings::rows::ROWS;
 use egui::accesskit::Role;
@@ -122,8 +124,26 @@ fn nothing_in_the_window_is_left_in_metres() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     settle(&mut window);
     let mut seen = Seen::default();
-    seen.look(&window);
-    for name in ["Waterfall, pings", "Map, track", "Cloud"] {
+    for step in WorkStep::ALL {
+        open_step(&mut window, step);
+        settle(&mut window);
+        seen.look(&window);
+    }
+    for (step, title) in [
+        (WorkStep::Correct, "Position"),
+        (WorkStep::Correct, "Mounting"),
+        (WorkStep::Correct, "Excluded"),
+        (WorkStep::Map, "Mosaic"),
+        (WorkStep::Map, "Cloud"),
+        (WorkStep::Map, "Outliers"),
+        (WorkStep::Map, "Survey planning"),
+    ] {
+        open_section(&mut window, step, title);
+        seen.look(&window);
+    }
+    open_step(&mut window, WorkStep::Correct);
+    settle(&mut window);
+    for name in ["Waterfall, pings", "Map, track", "3D point cloud"] {
         let rect = view(&window, name);
         for share in [0.35, 0.5, 0.62] {
             let at = rect.lerp_inside(vec2(share, 0.5));
@@ -238,6 +258,7 @@ fn a_number_typed_in_feet_sets_metres() {
     let mut window = demo_window();
     window.state_mut().app.view.options.units = FEET;
     window.run();
+    open_step(&mut window, WorkStep::Correct);
     window.get_by_role_and_label(Role::SpinButton, "Water level").focus();
     window.run();
     window.event(Event::Text("10".to_owned()));

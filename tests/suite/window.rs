@@ -2,7 +2,7 @@
 //! without a display.
 
 use crate::support::{demo_log, manifest_entry, snapshot_options};
-use bathyscope::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice};
+use bathyscope::app::{Action, App, Command, Jobs, LogPlace, ThemeChoice, WorkStep};
 use bathyscope::ui::Shell;
 use bathyscope_log::support::geo::CrsChoice;
 use bathyscope_products::outputs::Product;
@@ -48,6 +48,20 @@ pub(crate) fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.run();
 }
 
+/// Opens a step of the work by its key.
+pub(crate) fn open_step(window: &mut Window, step: WorkStep) {
+    let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+    press(window, Modifiers::ALT, keys[step as usize]);
+    assert_eq!(app(window).view.options.panels.step, step);
+}
+
+/// Opens a step of the work, and in it a section that begins folded.
+pub(crate) fn open_section(window: &mut Window, step: WorkStep, title: &str) {
+    open_step(window, step);
+    window.get_by_label(&format!("{title} section")).click_accesskit();
+    window.run();
+}
+
 #[derive(Debug)]
 struct Dropped(PathBuf);
 
@@ -80,7 +94,34 @@ fn the_demo_is_one_click_away_and_its_summary_is_shown() {
     let pings = survey.side_scan.len();
     assert!(pings > 1000);
     assert!(window.query_by_label_contains("pings · 1:5").is_some());
-    assert!(window.query_by_label("First return section").is_some());
+    assert!(window.query_by_label("Survey section").is_some());
+    assert!(window.query_by_label_contains("Step 4 Map, done").is_some());
+}
+
+#[test]
+fn steps_are_opened_by_key_and_click_and_say_what_needs_a_look() {
+    let mut window = demo_window();
+    let shows =
+        |window: &Window, title: &str| window.query_by_label(&format!("{title} section")).is_some();
+    open_step(&mut window, WorkStep::Correct);
+    assert!(shows(&window, "Depth correction") && !shows(&window, "Survey"));
+    let state = "Step 3 Calibrate and correct, needs a look: Draft and water level are not given";
+    window.get_by_label(state);
+    for name in ["Draft", "Water level"] {
+        let field = window.get_all_by_role_and_label(Role::SpinButton, name).next();
+        field.expect("a field").set_value_accesskit(0.4);
+        window.run();
+    }
+    window.get_by_label("Step 3 Calibrate and correct, done");
+    window.get_by_label("Step 5 Objects, not begun").click();
+    window.run();
+    assert!(shows(&window, "Objects") && !shows(&window, "Depth correction"));
+    let shown = window.query_by_label_contains("Waterfall, pings").is_some();
+    assert!(shown && window.query_by_label_contains("There are no objects yet").is_some());
+    // Another survey begins with the first step.
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    assert!(shows(&window, "Survey"));
 }
 
 #[test]
@@ -112,6 +153,7 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         window.run();
         let before =
             app(&window).logs.shown.products.as_ref().map(|products| products.returns.clone());
+        open_step(&mut window, WorkStep::Bottom);
         let slider = window.get_by_role_and_label(Role::Slider, "Threshold").rect();
         let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
         window.drag_at(at(0.30));
@@ -167,6 +209,7 @@ fn presets_are_one_click_back_and_can_be_undone() {
 #[test]
 fn outliers_are_shown_before_they_go() {
     let mut window = demo_window();
+    open_section(&mut window, WorkStep::Map, "Outliers");
     window.get_by_role_and_label(Role::CheckBox, "Outlier preview").click_accesskit();
     window.run();
     assert!(app(&window).view.options.cloud.outlier_preview);

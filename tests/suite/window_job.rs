@@ -3,9 +3,10 @@
 
 use crate::support::{demo_log, real_data};
 use crate::window::{
-    Window, app, demo_window, drop_file, empty_window, press, threshold, type_export_folder,
+    Window, app, demo_window, drop_file, empty_window, open_section, open_step, press, threshold,
+    type_export_folder,
 };
-use bathyscope::app::{Action, Command};
+use bathyscope::app::{Action, Command, WorkStep};
 use bathyscope_products::pipeline::Preset;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -124,7 +125,15 @@ fn each_drag_of_a_slider_is_one_step_back() {
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
         let before = app(&window).logs.shown.settings.clone();
-        for name in ["Threshold", "Dead zone", "Shallower by", "Radius", "Neighbours"] {
+        open_section(&mut window, WorkStep::Map, "Outliers");
+        for (step, name) in [
+            (WorkStep::Bottom, "Threshold"),
+            (WorkStep::Bottom, "Dead zone"),
+            (WorkStep::Bottom, "Shallower by"),
+            (WorkStep::Map, "Radius"),
+            (WorkStep::Map, "Neighbours"),
+        ] {
+            open_step(&mut window, step);
             // The steps are longer than the window.
             window.get_by_role_and_label(Role::Slider, name).scroll_to_me();
             window.run();
@@ -155,7 +164,10 @@ fn what_was_stopped_is_marked_and_taken_up_again() {
     app_now.apply(Command::Do(Action::Cancel));
     window.run();
     assert!(app(&window).logs.shown.stale().is_some());
+    window.get_by_label("Step 2 Bottom, out of date");
+    open_step(&mut window, WorkStep::Map);
     window.get_by_label("Cloud section, out of date");
+    open_step(&mut window, WorkStep::Export);
     window.get_by_label_contains("The last results are written");
     window.get_by_label("Update results").click();
     window.run();
@@ -173,9 +185,12 @@ fn what_was_stopped_is_marked_and_taken_up_again() {
 fn the_published_formula_says_what_it_makes_of_the_depth() {
     let mut window = demo_window();
     let note = "is multiplied by cos(α2), -3.87 %";
+    open_section(&mut window, WorkStep::Map, "Cloud");
     assert!(window.query_by_label_contains(note).is_none());
+    open_step(&mut window, WorkStep::Logs);
     window.get_by_label("Preset published").click();
     window.run();
+    open_step(&mut window, WorkStep::Map);
     assert!(window.query_by_label_contains(note).is_some());
 }
 

@@ -1,8 +1,8 @@
 //! Tests that controls and panels of Bathyscope stay in their places, whatever comes and goes.
 
 use crate::calm_window::window_of;
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, Command, FileToWrite};
+use crate::window::{Window, app, demo_window, drawn_window, open_step, press, settle};
+use bathyscope::app::{Action, Command, FileToWrite, WorkStep};
 use bathyscope_products::pipeline::{Preset, Settings};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -11,6 +11,7 @@ use egui_kittest::kittest::Queryable as _;
 #[test]
 fn the_panels_keep_their_width_whatever_they_hold() {
     let mut window = demo_window();
+    open_step(&mut window, WorkStep::Correct);
     let width = |window: &Window| {
         let section = window.get_by_label("Depth correction section");
         section.rect().width()

@@ -112,6 +112,21 @@ macro_rules! action_rows {
                 Manual, "Manual…", key("F1"), "Shows the manual, with a search: how to, keys, settings and files."
                     => Window(WindowAction::Manual);
             }
+            /// Steps of the work, in working order.
+            WorkSteps {
+                StepLogs, "Step 1: Logs", key("Alt+1"), "Opens the step in which logs are opened, listed and compared in height."
+                    => Window(WindowAction::OpenStep(WorkStep::Logs));
+                StepBottom, "Step 2: Bottom", key("Alt+2"), "Opens the step in which the first return of the bottom is found and edited."
+                    => Window(WindowAction::OpenStep(WorkStep::Bottom));
+                StepCorrect, "Step 3: Calibrate and correct", key("Alt+3"), "Opens the step of scale, draft, water level, sound speed, positions, mounting and excluded stretches."
+                    => Window(WindowAction::OpenStep(WorkStep::Correct));
+                StepMap, "Step 4: Map", key("Alt+4"), "Opens the step of depth map, isobaths, mosaic, outliers and survey planning."
+                    => Window(WindowAction::OpenStep(WorkStep::Map));
+                StepObjects, "Step 5: Objects", key("Alt+5"), "Opens the step in which objects are found."
+                    => Window(WindowAction::OpenStep(WorkStep::Objects));
+                StepExport, "Step 6: Check and export", key("Alt+6"), "Opens the step in which the points are compared with soundings, and files are written."
+                    => Window(WindowAction::OpenStep(WorkStep::Export));
+            }
             /// Keyboard to a view, by a digit.
             Focus {
                 FocusWaterfall, "Waterfall", key("1"), acts_in(KeyScope::Boxes), "Moves the keyboard to the waterfall."
@@ -127,6 +142,10 @@ macro_rules! action_rows {
                     => Window(WindowAction::Arrange(LayoutPreset::Survey));
                 LayoutReview, "Layout: review", "A large waterfall above, map and 3D cloud below."
                     => Window(WindowAction::Arrange(LayoutPreset::Review));
+                LayoutLargeMap, "Layout: map", "A large map, with 3D cloud and waterfall beside it."
+                    => Window(WindowAction::Arrange(LayoutPreset::Map));
+                LayoutObjects, "Layout: objects", "Waterfall above, table of objects and map below."
+                    => Window(WindowAction::Arrange(LayoutPreset::Objects));
                 LayoutWaterfall, "Layout: waterfall only", "Shows the waterfall alone."
                     => Window(WindowAction::Arrange(LayoutPreset::Only(View::Waterfall)));
                 LayoutMap, "Layout: map only", "Shows the map alone."
@@ -378,7 +397,7 @@ macro_rules! action_rows {
                     => State(App::leave_reference), when(|app| app.map.comparing.reference.is_some());
             }
             /// Steps along the survey.
-            Steps {
+            Pings {
                 PreviousPing, "Previous ping", key("Left"), acts_in(KeyScope::Views), repeats(), "Selects the ping before."
                     => State(|app| app.step(-1));
                 NextPing, "Next ping", key("Right"), acts_in(KeyScope::Views), repeats(), "Selects the ping after."

@@ -1,11 +1,10 @@
-//! Draws step 2, from samples to metres: the scale in use, the flat stretches on which one can be
-//! measured, in a ranked table with the objections to them, and the proposed stretch.
+//! Draws the calibration, from samples to metres: the scale in use, the flat stretches on which one
+//! can be measured, in a ranked table with the objections to them, and the proposed stretch.
 //!
 //! The panel reads the state of the app, draws controls and texts, and sends commands.
 
 use super::find_setting;
 use super::parts::{self, PlotAxes, fact, setting};
-use super::section::{Section, section, unfold_section};
 use crate::app::{Action, Command, LogPlace, Tool, ViewOptions};
 use crate::ui::controls::{self, ListKeys};
 use crate::ui::{ViewContext, place, text, theme};
@@ -16,7 +15,7 @@ use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{RangeSource, Survey};
 use bathyscope_products::pipeline::settings::rows;
-use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial, Stage};
+use bathyscope_products::pipeline::{Products, ScaleEffect, ScaleTrial};
 use egui::{
     Align, Align2, Button, Color32, FontId, Frame, Painter, Rect, Response, RichText, Role, Sense,
     Stroke, TextStyle, Ui, WidgetInfo, pos2, vec2,
@@ -24,51 +23,51 @@ use egui::{
 use std::sync::Arc;
 
 /// Title of the section.
-const TITLE: &str = "Calibration";
+pub(super) const TITLE: &str = "Calibration";
 
 /// Draws the section.
 pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_new = follow_proposal(ui, context);
-    section(ui, context, Section::new(TITLE).step(2).of(Stage::Calibration), |ui, context| {
-        let Some(products) = context.app.logs.shown.products.clone() else {
-            return parts::remark(ui, "No result yet.");
-        };
-        let calibration = &products.calibration;
-        let survey = context.app.logs.shown.survey.clone();
-        let source = survey.as_ref().map(|survey| survey.range_source).unwrap_or_default();
-        in_use(ui, calibration, source, context.units());
-        setting(
-            ui,
-            context,
-            match calibration.mode {
-                ScaleMode::FlatSpot => &rows::PPD_REACH,
-                ScaleMode::Header => &rows::OFFSET,
-            },
-        );
-        let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
-            return parts::remark(ui, "This log records no depth to measure a scale against.");
-        };
-        for text in &calibration.warnings {
-            parts::warning(ui, context, &context.units().sentence(text));
-        }
-        tools(ui, context, calibration.mode);
-        proposed(ui, context, &products, is_new);
-        candidates(ui, context, &survey, &products);
-    });
+    let is_new = has_new_proposal(ui, context);
+    let now = context.app.logs.shown.proposed_stretch();
+    ui.data_mut(|data| data.insert_temp(proposal_id(), now));
+    let Some(products) = context.app.logs.shown.products.clone() else {
+        return parts::remark(ui, "No result yet.");
+    };
+    let calibration = &products.calibration;
+    let survey = context.app.logs.shown.survey.clone();
+    let source = survey.as_ref().map(|survey| survey.range_source).unwrap_or_default();
+    in_use(ui, calibration, source, context.units());
+    setting(
+        ui,
+        context,
+        match calibration.mode {
+            ScaleMode::FlatSpot => &rows::PPD_REACH,
+            ScaleMode::Header => &rows::OFFSET,
+        },
+    );
+    let Some(survey) = survey.filter(|survey| !survey.soundings.is_empty()) else {
+        return parts::remark(ui, "This log records no depth to measure a scale against.");
+    };
+    for text in &calibration.warnings {
+        parts::warning(ui, context, &context.units().sentence(text));
+    }
+    tools(ui, context, calibration.mode);
+    proposed(ui, context, &products, is_new);
+    candidates(ui, context, &survey, &products);
 }
 
-/// Returns true if a stretch was proposed that was not proposed in the last frame; the section then
-/// opens.
-fn follow_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
-    let id = egui::Id::unique("stretch proposed in the frame before");
+fn proposal_id() -> egui::Id {
+    egui::Id::unique("stretch proposed when the section was drawn last")
+}
+
+/// Returns true if a stretch is proposed that the section did not show when it was drawn last.
+pub(super) fn has_new_proposal(ui: &Ui, context: &ViewContext<'_>) -> bool {
     let now = context.app.logs.shown.proposed_stretch();
-    let before: Option<PingRange> = ui.data(|data| data.get_temp(id)).flatten();
-    ui.data_mut(|data| data.insert_temp(id, now));
-    let is_new = now.is_some() && now != before;
-    if is_new {
-        unfold_section(ui.ctx(), TITLE);
+    let before: Option<PingRange> = ui.data(|data| data.get_temp(proposal_id())).flatten();
+    if now.is_none() {
+        ui.data_mut(|data| data.insert_temp(proposal_id(), now));
     }
-    is_new
+    now.is_some() && now != before
 }
 
 fn scale(scale: Option<&Scale>) -> String {

@@ -2,14 +2,13 @@
 //! found by a detector and decided by the analyst.
 
 use super::parts::{self, fact, setting};
-use super::section::{Section, section};
 use crate::app::{Action, Figures, SearchStatus};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::cloud::{Geometry, Residuals};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_log::survey::{HeadingSource, Projection};
+use bathyscope_products::pipeline::Products;
 use bathyscope_products::pipeline::settings::rows;
-use bathyscope_products::pipeline::{Products, Stage};
 use egui::{Button, Ui};
 
 /// Name of the figure that compares side-scan points with the soundings of their own pings, which
@@ -27,14 +26,12 @@ pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Cloud").step(3).of(Stage::Cloud), |ui, context| {
-        if let (Some(products), Some(figures)) =
-            (&context.app.logs.shown.products, &context.app.logs.shown.figures)
-        {
-            found(ui, products, figures, context.units());
-        }
-        controls(ui, context);
-    });
+    if let (Some(products), Some(figures)) =
+        (&context.app.logs.shown.products, &context.app.logs.shown.figures)
+    {
+        found(ui, products, figures, context.units());
+    }
+    controls(ui, context);
 }
 
 fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
@@ -88,11 +85,9 @@ fn published_depth(alpha2_deg: f64) -> String {
 
 /// Draws the section of radius outlier removal, where the removed points can be seen first.
 pub(super) fn outliers(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Outliers").step(4).of(Stage::Outliers), |ui, context| {
-        removed(ui, context);
-        parts::settings_of(ui, context, "Outliers");
-        preview(ui, context);
-    });
+    removed(ui, context);
+    parts::settings_of(ui, context, "Outliers");
+    preview(ui, context);
 }
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
@@ -116,18 +111,16 @@ fn preview(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// Draws the section.
 pub(super) fn objects(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Objects").step(5), |ui, context| {
-        found_objects(ui, context);
-        if let Some(note) = context.app.search_note() {
-            parts::warning(ui, context, &note);
-        }
-        let hint = context.app.findings.search.model_description().map_or_else(
-            || "The detector in use.".to_owned(),
-            |known| format!("The detector in use: {known}"),
-        );
-        fact(ui, "Model", &hint, context.app.findings.search.model_name());
-        search(ui, context);
-    });
+    found_objects(ui, context);
+    if let Some(note) = context.app.search_note() {
+        parts::warning(ui, context, &note);
+    }
+    let hint = context.app.findings.search.model_description().map_or_else(
+        || "The detector in use.".to_owned(),
+        |known| format!("The detector in use: {known}"),
+    );
+    fact(ui, "Model", &hint, context.app.findings.search.model_name());
+    search(ui, context);
 }
 
 fn found_objects(ui: &mut Ui, context: &ViewContext<'_>) {

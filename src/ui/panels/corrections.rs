@@ -3,12 +3,10 @@
 
 use super::find_setting;
 use super::parts::{self, fact, name_cell, name_of, press, press_short, remark, setting, warning};
-use super::section::{Section, section};
 use crate::app::{Action, App, Command, FoundPositions, JobKey};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::bathymetry::position_offsets::FoundShift;
 use bathyscope_log::survey::{HeadingSource, MountingSettings, SidePair, Survey, arm_in_words};
-use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::{ControlValue, rows};
 use egui::{RichText, TextEdit, Ui};
 
@@ -17,18 +15,16 @@ const USUAL_C: f64 = 12.0;
 
 /// Draws the section of the settings of water and transducer that correct the depths.
 pub(super) fn depths(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Depth correction").of(Stage::Cloud), |ui, context| {
-        levels(ui, context);
-        sound_speed(ui, context);
-        if let Some(products) = &context.app.logs.shown.products {
-            if let Some(text) = products.correction.gap_warning() {
-                warning(ui, context, &context.units().sentence(&text));
-            }
-            for sentence in products.correction.sentences() {
-                remark(ui, context.units().sentence(&sentence));
-            }
+    levels(ui, context);
+    sound_speed(ui, context);
+    if let Some(products) = &context.app.logs.shown.products {
+        if let Some(text) = products.correction.gap_warning() {
+            warning(ui, context, &context.units().sentence(&text));
         }
-    });
+        for sentence in products.correction.sentences() {
+            remark(ui, context.units().sentence(&sentence));
+        }
+    }
 }
 
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -63,22 +59,20 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// Draws the section of the positions: the track of another receiver, the offset of its clock, and
 /// the shifts of all positions.
 pub(super) fn positions(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Position").of(Stage::Navigation), |ui, context| {
-        let path = context.app.logs.shown.settings.track.file.clone();
-        let actions = [Action::OpenTrack, Action::RemoveTrack];
-        parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
-        match path {
-            Some(_) => clock(ui, context),
-            None => remark(ui, "Positions are those of the recorder."),
-        }
-        for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
-            setting(ui, context, row);
-        }
-        // With several logs, their positions are compared in the list of logs.
-        if context.app.logs.count() == 1 {
-            shifts(ui, context);
-        }
-    });
+    let path = context.app.logs.shown.settings.track.file.clone();
+    let actions = [Action::OpenTrack, Action::RemoveTrack];
+    parts::file(ui, context, &rows::TRACK_FILE, path.as_deref(), actions);
+    match path {
+        Some(_) => clock(ui, context),
+        None => remark(ui, "Positions are those of the recorder."),
+    }
+    for row in [&rows::SHIFT_EAST, &rows::SHIFT_NORTH] {
+        setting(ui, context, row);
+    }
+    // With several logs, their positions are compared in the list of logs.
+    if context.app.logs.count() == 1 {
+        shifts(ui, context);
+    }
 }
 
 /// Draws the offset of the clock, and the distance between the tracks that results from it.
@@ -159,22 +153,20 @@ fn values(app: &App, found: &FoundShift) -> [String; 5] {
 /// Draws the section of the mounting of the recorder on its boat, its default, the coordinate
 /// system of positions in metres, and the shown frequency.
 pub(super) fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Mounting").of(Stage::Navigation), |ui, context| {
-        let Some(survey) = context.app.logs.shown.survey.clone() else {
-            return;
-        };
-        parts::settings_of(ui, context, "Mounting");
-        effect(ui, context, &survey);
-        by_crossings(ui, context);
-        sounding_lag(ui, context);
-        usual(ui, context);
-        if survey.track.projected.is_some() {
-            system(ui, context, &survey);
-        }
-        if !survey.pairs.is_empty() {
-            frequency(ui, context, &survey);
-        }
-    });
+    let Some(survey) = context.app.logs.shown.survey.clone() else {
+        return;
+    };
+    parts::settings_of(ui, context, "Mounting");
+    effect(ui, context, &survey);
+    by_crossings(ui, context);
+    sounding_lag(ui, context);
+    usual(ui, context);
+    if survey.track.projected.is_some() {
+        system(ui, context, &survey);
+    }
+    if !survey.pairs.is_empty() {
+        frequency(ui, context, &survey);
+    }
 }
 
 /// Draws the effect of the settings, and a warning for each setting without effect.

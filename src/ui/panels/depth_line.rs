@@ -1,8 +1,7 @@
 //! Draws the line that says what depths count from, what corrects them, and how large their error
 //! is. Each part is a link to its control; what is not given, or does not agree, is amber.
 
-use super::{focus_section, unfold_section};
-use crate::app::{App, Command, PanelShown};
+use crate::app::{App, Command};
 use crate::ui::{ViewContext, theme};
 use bathyscope_bottom::calibration::{Calibration, CalibrationSettings, OffsetMode, ScaleMode};
 use bathyscope_bottom::cloud::Correction;
@@ -66,23 +65,17 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let button = ui.add(Button::new(text).frame(false).small());
             let button = button.on_hover_cursor(egui::CursorIcon::PointingHand);
             if button.on_hover_text(fact.hint).clicked() {
-                follow(ui, context, fact.link);
+                follow(context, fact.link);
             }
         }
     });
 }
 
 /// Shows the place that a part leads to, and moves the keyboard there.
-fn follow(ui: &Ui, context: &mut ViewContext<'_>, link: Link) {
+fn follow(context: &mut ViewContext<'_>, link: Link) {
     match link {
         Link::Setting(row) => context.push(Command::ShowSetting(row.key)),
-        Link::Section(title) => {
-            let mut options = context.options().clone();
-            options.panels.steps = PanelShown::Always;
-            context.show(options);
-            unfold_section(ui.ctx(), title);
-            focus_section(ui.ctx(), title);
-        }
+        Link::Section(title) => context.push(Command::ShowSection(title)),
     }
 }
 

@@ -2,12 +2,10 @@
 //! stretches.
 
 use super::parts::{remark, setting, warning};
-use super::section::{Section, section};
 use crate::app::{Action, Command, ExclusionEdit, FoundExclusions, LogPlace, OpenLog, Tool};
 use crate::ui::controls::ListKeys;
 use crate::ui::{ViewContext, place, text};
 use bathyscope_log::survey::{ExcludedStretch, ExclusionReason, LogPart, Stretch, Survey};
-use bathyscope_products::pipeline::Stage;
 use bathyscope_products::pipeline::settings::rows;
 use egui::{Align, Button, Layout, Response, ScrollArea, Ui};
 
@@ -18,25 +16,23 @@ const ROWS: f32 = 7.0;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Excluded").of(Stage::Calibration), |ui, context| {
-        tool(ui, context);
-        for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
-            setting(ui, context, row);
-        }
-        let settings = &context.app.logs.shown.settings.excluded;
-        if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
-            setting(ui, context, &rows::MIN_DURATION);
-        }
-        let Some(found) = context.app.logs.shown.exclusions().cloned() else {
-            return;
-        };
-        for text in &found.exclusions.warnings {
-            warning(ui, context, &context.units().sentence(text));
-        }
-        counts(ui, context, &found);
-        list(ui, context, &found);
-        kept(ui, context);
-    });
+    tool(ui, context);
+    for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
+        setting(ui, context, row);
+    }
+    let settings = &context.app.logs.shown.settings.excluded;
+    if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
+        setting(ui, context, &rows::MIN_DURATION);
+    }
+    let Some(found) = context.app.logs.shown.exclusions().cloned() else {
+        return;
+    };
+    for text in &found.exclusions.warnings {
+        warning(ui, context, &context.units().sentence(text));
+    }
+    counts(ui, context, &found);
+    list(ui, context, &found);
+    kept(ui, context);
 }
 
 fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -1,27 +1,23 @@
-//! Draws step 1: the detection of the first return of the bottom.
+//! Draws the detection of the first return of the bottom.
 
 use super::parts::{self, remark};
-use super::section::{Section, section};
 use crate::app::{AboveBottom, AboveStretch, Action, Command, LogPlace, Tool};
 use crate::ui::{ViewContext, controls, place, text, theme};
 use bathyscope_bottom::cloud::PointClass;
 use bathyscope_log::survey::Side;
-use bathyscope_products::pipeline::Stage;
 use egui::{Align, Button, Layout, RichText, ScrollArea, Ui};
 
 /// Title of the section.
-const TITLE: &str = "First return";
+pub(super) const TITLE: &str = "First return";
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new(TITLE).step(1).of(Stage::FirstReturn), |ui, context| {
-        if !place::has_side_scan(context.app) {
-            return parts::remark(ui, "This log has no side-scan.");
-        }
-        found(ui, context);
-        parts::settings_of(ui, context, TITLE);
-        bottom_edits(ui, context);
-    });
+    if !place::has_side_scan(context.app) {
+        return parts::remark(ui, "This log has no side-scan.");
+    }
+    found(ui, context);
+    parts::settings_of(ui, context, TITLE);
+    bottom_edits(ui, context);
 }
 
 fn found(ui: &mut Ui, context: &mut ViewContext<'_>) {

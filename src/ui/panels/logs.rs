@@ -3,7 +3,6 @@
 
 use super::corrections;
 use super::parts::{self, fact, name_of, press, remark, warning};
-use super::section::{Section, section};
 use crate::app::{Action, App, Command, JobKey, OpenLog};
 use crate::ui::controls::{self, DropDown, ListKeys};
 use crate::ui::{ViewContext, place, text, theme};
@@ -12,24 +11,22 @@ use egui::{Button, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Logs"), |ui, context| {
-        let app = context.app;
-        let last = app.logs.count().saturating_sub(1);
-        let keys = ListKeys::read(ui, "logs", app.logs.count());
-        for (place, log) in app.logs.all().enumerate() {
-            let walked = (&keys, place);
-            let commands = row(ui, app, log, [place > 0, place < last], walked);
-            context.commands.extend(commands);
-            if let Some(why) = &log.apart {
-                remark(ui, app.view.options.units.sentence(&format!("Not on the map: {why}.")));
-            }
+    let app = context.app;
+    let last = app.logs.count().saturating_sub(1);
+    let keys = ListKeys::read(ui, "logs", app.logs.count());
+    for (place, log) in app.logs.all().enumerate() {
+        let walked = (&keys, place);
+        let commands = row(ui, app, log, [place > 0, place < last], walked);
+        context.commands.extend(commands);
+        if let Some(why) = &log.apart {
+            remark(ui, app.view.options.units.sentence(&format!("Not on the map: {why}.")));
         }
-        add(ui, context);
-        if app.logs.count() > 1 {
-            heights(ui, context);
-            corrections::shifts(ui, context);
-        }
-    });
+    }
+    add(ui, context);
+    if app.logs.count() > 1 {
+        heights(ui, context);
+        corrections::shifts(ui, context);
+    }
 }
 
 fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -2,7 +2,6 @@
 //! the section that writes the files.
 
 use super::parts::{self, fact};
-use super::section::{Section, section};
 use crate::app::{Action, MapLayer};
 use crate::ui::ViewContext;
 use bathyscope_bottom::bathymetry::{FromLevels, LevelsRefused, Surface};
@@ -11,17 +10,12 @@ use bathyscope_products::outputs::files_in_words;
 use bathyscope_products::pipeline::settings::rows;
 use egui::Ui;
 
-/// Titles of the sections.
-const DEPTH_MAP: &str = "Depth map";
-const ISOBATHS: &str = "Isobaths";
-const MOSAIC: &str = "Mosaic";
-
-/// Draws the sections.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new(DEPTH_MAP), depth_map);
-    section(ui, context, Section::new(ISOBATHS), isobaths);
-    section(ui, context, Section::new(MOSAIC), mosaic);
-}
+/// Title of a section.
+pub(super) const DEPTH_MAP: &str = "Depth map";
+/// Title of a section.
+pub(super) const ISOBATHS: &str = "Isobaths";
+/// Title of a section.
+pub(super) const MOSAIC: &str = "Mosaic";
 
 /// Draws the button that shows or hides a layer.
 fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, action: Action) {
@@ -30,12 +24,14 @@ fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, act
     context.named_button(ui.button(text), action);
 }
 
-fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
+/// Draws the settings of the depth map, and its worth.
+pub(super) fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::settings_of(ui, context, DEPTH_MAP);
     worth(ui, context);
 }
 
-fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
+/// Draws the settings of isobaths.
+pub(super) fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Isobaths, Action::IsobathLayer);
     parts::settings_of(ui, context, ISOBATHS);
     let area = context.app.logs.shown.settings.isobaths.clip.clone();
@@ -92,31 +88,30 @@ fn withheld_errors(surface: &Surface, units: Units) -> Option<String> {
     Some(format!("{with} {}, {without} without", units.symbol()))
 }
 
-fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
+/// Draws the settings of the mosaic.
+pub(super) fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Mosaic, Action::MosaicLayer);
     parts::settings_of(ui, context, MOSAIC);
 }
 
-/// Draws the section of step 6: the files for other programs.
+/// Draws the section of the files for other programs.
 pub(super) fn products(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Products").step(6), |ui, context| {
-        let action = Action::Export;
-        let ready = context.app.logs.shown.products.is_some();
-        let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
-        let button = ui.add_enabled(ready, button);
-        let button = button.on_disabled_hover_text("There are no results yet.");
-        context.button(button, action);
-        if ready && context.app.logs.shown.stale().is_some() {
-            let text =
-                "The last results are written; settings were changed since. Update results first.";
-            parts::warning(ui, context, text);
-        }
-        if let Some((folder, files)) = context.app.out_of_date() {
-            let folder = folder.display();
-            let files = files_in_words(files.into_iter());
-            let text = format!("Out of date in {folder}: {files}");
-            parts::warning(ui, context, &text);
-        }
-        parts::settings_of(ui, context, "Products");
-    });
+    let action = Action::Export;
+    let ready = context.app.logs.shown.products.is_some();
+    let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
+    let button = ui.add_enabled(ready, button);
+    let button = button.on_disabled_hover_text("There are no results yet.");
+    context.button(button, action);
+    if ready && context.app.logs.shown.stale().is_some() {
+        let text =
+            "The last results are written; settings were changed since. Update results first.";
+        parts::warning(ui, context, text);
+    }
+    if let Some((folder, files)) = context.app.out_of_date() {
+        let folder = folder.display();
+        let files = files_in_words(files.into_iter());
+        let text = format!("Out of date in {folder}: {files}");
+        parts::warning(ui, context, &text);
+    }
+    parts::settings_of(ui, context, "Products");
 }

@@ -1,7 +1,6 @@
 //! Draws the section of survey planning, with duration, speed and turning radius.
 
 use super::parts::{remark, row};
-use super::section::{Section, section};
 use crate::app::{Action, Command, JobKey, PlanRequest};
 use crate::ui::ViewContext;
 use crate::ui::controls::number_field;
@@ -9,10 +8,6 @@ use egui::Ui;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Survey planning"), plan);
-}
-
-fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let before = context.app.map.planning.asked;
     let units = context.units();
     let mut asked = before;

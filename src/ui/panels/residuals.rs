@@ -5,7 +5,6 @@
 
 use super::cloud;
 use super::parts::{self, PlotAxes, fact};
-use super::section::{Section, section};
 use crate::app::{Action, App, Command, JobKey, MapLayer, ReferenceBy, ViewOptions};
 use crate::ui::controls::number_slider;
 use crate::ui::{ViewContext, text, theme};
@@ -13,51 +12,49 @@ use bathyscope_bottom::bathymetry::compare::{Bin, Comparison, DifferenceHistogra
 use bathyscope_bottom::cloud::Residuals;
 use bathyscope_bottom::presentation::plot::Axis;
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_products::pipeline::{ResidualTables, Stage};
+use bathyscope_products::pipeline::ResidualTables;
 use egui::{Button, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Residuals").of(Stage::Outliers), |ui, context| {
-        // The comparison needs a triangulation of all soundings, and starts only when the section
-        // is visible.
-        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
-        if context.app.logs.shown.products.is_some() && ui.is_rect_visible(place) {
-            context.push(Command::CompareWithReference);
+    // The comparison needs a triangulation of all soundings, and starts only when the section is
+    // visible.
+    let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
+    if context.app.logs.shown.products.is_some() && ui.is_rect_visible(place) {
+        context.push(Command::CompareWithReference);
+    }
+    reference(ui, context);
+    let Some(agreement) = context.app.findings.reference_comparison.agreement().cloned() else {
+        return parts::remark(ui, lack(context.app));
+    };
+    let figures = context.app.logs.shown.figures.as_ref();
+    let same_ping = figures
+        .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
+        .and_then(|figures| figures.residuals.as_ref());
+    let units = context.units();
+    statistics(ui, &agreement.comparison, same_ping, units);
+    // Soundings of the same recorder are no evidence for an order of S-44.
+    if agreement.reference.is_some() {
+        orders(ui, &agreement.comparison);
+    }
+    let id = egui::Id::unique("residuals over");
+    let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    // The row is wrapped: one that is wider than the panel would widen the panel when it comes into
+    // view.
+    ui.horizontal_wrapped(|ui| {
+        for (each, name, hint) in OVERS {
+            ui.selectable_value(&mut over, each, name).on_hover_text(hint);
         }
-        reference(ui, context);
-        let Some(agreement) = context.app.findings.reference_comparison.agreement().cloned() else {
-            return parts::remark(ui, lack(context.app));
-        };
-        let figures = context.app.logs.shown.figures.as_ref();
-        let same_ping = figures
-            .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
-            .and_then(|figures| figures.residuals.as_ref());
-        let units = context.units();
-        statistics(ui, &agreement.comparison, same_ping, units);
-        // Soundings of the same recorder are no evidence for an order of S-44.
-        if agreement.reference.is_some() {
-            orders(ui, &agreement.comparison);
-        }
-        let id = egui::Id::unique("residuals over");
-        let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        // The row is wrapped: one that is wider than the panel would widen the panel when it comes
-        // into view.
-        ui.horizontal_wrapped(|ui| {
-            for (each, name, hint) in OVERS {
-                ui.selectable_value(&mut over, each, name).on_hover_text(hint);
-            }
-        });
-        ui.data_mut(|data| data.insert_temp(id, over));
-        picture(ui, &agreement.tables, over, context.options());
-        let of = if agreement.reference.is_some() {
-            "Elevation of the points minus that of the reference at their place"
-        } else {
-            "Elevation of side-scan points minus that of the soundings at their place"
-        };
-        parts::remark(ui, format!("{of}: above 0 is shallower."));
-        on_map(ui, context);
     });
+    ui.data_mut(|data| data.insert_temp(id, over));
+    picture(ui, &agreement.tables, over, context.options());
+    let of = if agreement.reference.is_some() {
+        "Elevation of the points minus that of the reference at their place"
+    } else {
+        "Elevation of side-scan points minus that of the soundings at their place"
+    };
+    parts::remark(ui, format!("{of}: above 0 is shallower."));
+    on_map(ui, context);
 }
 
 /// Returns the reason why there is nothing to show.

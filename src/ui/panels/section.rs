@@ -7,27 +7,29 @@ use egui::{Response, Ui};
 
 /// The heading of a section.
 pub(crate) struct Section {
-    number: Option<u8>,
-    title: &'static str,
+    /// Title, in the letters of the manual; headings are drawn in capitals.
+    pub(super) title: &'static str,
     /// The stage whose result the section shows, for the mark of stale results.
     stage: Option<Stage>,
+    /// True if the section is folded until the analyst opens it.
+    begins_folded: bool,
 }
 
 impl Section {
     /// Creates a section with a title.
-    pub(crate) fn new(title: &'static str) -> Self {
-        Self { number: None, title, stage: None }
-    }
-
-    /// Marks the section as a step of the paper.
-    pub(crate) fn step(mut self, number: u8) -> Self {
-        self.number = Some(number);
-        self
+    pub(crate) const fn new(title: &'static str) -> Self {
+        Self { title, stage: None, begins_folded: false }
     }
 
     /// Sets the stage whose result the section shows.
-    pub(crate) fn of(mut self, stage: Stage) -> Self {
+    pub(super) const fn of(mut self, stage: Stage) -> Self {
         self.stage = Some(stage);
+        self
+    }
+
+    /// Folds the section until the analyst opens it.
+    pub(super) const fn folded(mut self) -> Self {
+        self.begins_folded = true;
         self
     }
 }
@@ -80,23 +82,18 @@ pub(crate) fn unfold_section(ctx: &egui::Context, title: &str) {
     ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
 }
 
-/// Height of a window below which the steps are folded initially, points.
-const LOW_WINDOW: f32 = 600.0;
-
 /// Draws a section of a panel with a title; a click on the title folds or opens it.
 pub(crate) fn section(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    section: Section,
+    section: &Section,
     body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
 ) {
     let folded_id = folded_id(section.title);
-    // In a low window the settings of the steps are folded initially, so that results stay visible.
-    let begins_folded = section.number.is_some() && ui.content_rect().height() < LOW_WINDOW;
     let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
-    let mut folded = known.unwrap_or(begins_folded);
+    let mut folded = known.unwrap_or(section.begins_folded);
     let freshness = freshness(context, section.stage);
-    let title = heading(ui, context, &section, folded, freshness);
+    let title = heading(ui, context, section, folded, freshness);
     let wanted = ui.data_mut(|data| {
         let is_this = data.get_temp(wanted_id()) == Some(section.title);
         is_this.then(|| data.remove::<&'static str>(wanted_id()))
@@ -128,19 +125,13 @@ fn heading(
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
     let painter = ui.painter();
     let strong = ui.visuals().strong_text_color();
-    let mut x = rect.left();
+    let left = rect.left();
     let at = |x: f32| egui::pos2(x, rect.center().y);
-    triangle(painter, at(x + 4.0), folded, strong);
-    x += 14.0;
+    triangle(painter, at(left + 4.0), folded, strong);
     let beside = egui::Align2::LEFT_CENTER;
-    if let Some(number) = section.number {
-        let font = egui::FontId::proportional(14.0);
-        painter.text(at(x), beside, number, font, theme::accent_colour(look));
-        x += 16.0;
-    }
     let title = section.title.to_uppercase();
     let font = egui::FontId::proportional(12.0);
-    painter.text(at(x), beside, title, font, strong);
+    painter.text(at(left + 14.0), beside, title, font, strong);
     let mark = match freshness {
         _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
         Freshness::Fresh => None,

@@ -15,7 +15,7 @@ use egui::{Align2, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2,
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Selection"), |ui, context| {
+    section(ui, context, &Section::new("Selection"), |ui, context| {
         match context.app.view.selection {
             Some(mark) => selected(ui, context, mark),
             None => remark(
@@ -168,7 +168,7 @@ pub(crate) fn shadow(ui: &mut Ui, context: &mut ViewContext<'_>) {
         return;
     }
     let found = context.app.measured_height();
-    section(ui, context, Section::new("Height from shadow"), |ui, context| match found {
+    section(ui, context, &Section::new("Height from shadow"), |ui, context| match found {
         None => remark(ui, "Drag in the waterfall to the end of the shadow."),
         Some(Err(error)) => {
             let why = context.units().sentence(&error.to_string());

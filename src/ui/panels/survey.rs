@@ -2,7 +2,6 @@
 //! to open while none is.
 
 use super::parts::{fact, remark, warning};
-use super::section::{Section, section};
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};
 use crate::ui::{ViewContext, controls, text};
 use bathyscope_bottom::presentation::units::Units;
@@ -20,16 +19,14 @@ const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, Section::new("Survey"), |ui, context| {
-        match context.app.logs.shown.survey.clone() {
-            Some(survey) => {
-                summary(ui, context, &survey);
-                warnings(ui, context, &survey);
-                preset_line(ui, context);
-            }
-            None => nothing_open(ui, context),
+    match context.app.logs.shown.survey.clone() {
+        Some(survey) => {
+            summary(ui, context, &survey);
+            warnings(ui, context, &survey);
+            preset_line(ui, context);
         }
-    });
+        None => nothing_open(ui, context),
+    }
 }
 
 fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {

@@ -5,6 +5,7 @@ use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{
     Action, Command, FileToWrite, JobKey, Jobs, KeyFocus, Keys, OpenLog, View, WindowAction,
+    WorkStep,
 };
 use crate::ui::dialogs::PathPurpose;
 use crate::ui::panels::{self, find_setting, find_setting::ControlPlace};
@@ -22,6 +23,11 @@ impl Shell {
             Command::Do(action) => self.act(ctx, action),
             Command::ByKey { keys, command, focus } => self.act_by_key(ctx, keys, *command, focus),
             Command::ShowSetting(key) => self.show_setting(ctx, key),
+            Command::ShowSection(title) => {
+                self.open_section(ctx, title);
+                panels::focus_section(ctx, title);
+                ctx.request_repaint();
+            }
             Command::Focus(view) => self.layout.focus(view),
             Command::PrintInto(path) => self.print_into(path),
             Command::ChooseExportFolder(path) => self.export.take_folder(&path),
@@ -98,6 +104,7 @@ impl Shell {
             WindowAction::FullScreen => toggle_full_screen(ctx),
             WindowAction::Maximise => self.layout.toggle_maximised(self.layout.target()),
             WindowAction::FocusPanels => self.focus_panels(ctx),
+            WindowAction::OpenStep(step) => self.open_step(ctx, step),
             WindowAction::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
             WindowAction::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
             WindowAction::Arrange(preset) => self.layout.arrange(preset),
@@ -235,7 +242,10 @@ impl Shell {
         let next = rest.iter().find(|panel| panel.is_shown(panels, width));
         self.keyboard_in = next.copied();
         let title = match next {
-            Some(SidePanel::Steps) => "Survey",
+            Some(SidePanel::Steps) if self.app.logs.shown.survey.is_none() => {
+                panels::steps::first_section(WorkStep::Logs)
+            }
+            Some(SidePanel::Steps) => panels::steps::first_section(panels.step),
             Some(SidePanel::Details) if self.app.logs.has_boxes() => "Review",
             Some(SidePanel::Details) => "Selection",
             None => return leave_control(ctx),
@@ -243,12 +253,25 @@ impl Shell {
         panels::focus_section(ctx, title);
     }
 
+    /// Shows a step of the work in the panel of steps.
+    fn open_step(&mut self, ctx: &egui::Context, step: WorkStep) {
+        self.show_panel(SidePanel::Steps, true, ctx);
+        self.app.view.options.panels.step = step;
+    }
+
+    /// Shows a section of the panel of steps, with its contents.
+    fn open_section(&mut self, ctx: &egui::Context, title: &str) {
+        if let Some(step) = panels::steps::step_of(title) {
+            self.open_step(ctx, step);
+        }
+        panels::unfold_section(ctx, title);
+    }
+
     /// Shows the place of the control of a setting, and moves the keyboard to the control.
     fn show_setting(&mut self, ctx: &egui::Context, key: &'static str) {
         match find_setting::place_of(key) {
             Some(ControlPlace::Section(title)) => {
-                self.show_panel(SidePanel::Steps, true, ctx);
-                panels::unfold_section(ctx, title);
+                self.open_section(ctx, title);
             }
             Some(ControlPlace::Levels) => self.layout.focus(View::Waterfall),
             None => return,

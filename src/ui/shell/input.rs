@@ -225,7 +225,9 @@ fn name_box(ui: &mut Ui, app: &App, push: &mut impl FnMut(Keys, Command)) {
     };
     let classes = app.logs.class_names();
     for (class, key) in DIGITS.into_iter().enumerate() {
-        let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        // With Alt the digits open the steps of the work.
+        let opens_step = ui.input(|input| input.modifiers.alt);
+        let pressed = !opens_step && ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if let Some(name) = classes.get(class).filter(|_| pressed) {
             let edit = Edit::Classify(id, (*name).to_owned());
             push(key.name(), Command::Edit { edit, live: false });

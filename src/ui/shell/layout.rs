@@ -2,7 +2,7 @@
 //! fills the centre.
 
 use super::{Views, toolbar};
-use crate::app::{Action, App, LayoutPreset, View};
+use crate::app::{Action, App, LayoutPreset, View, WorkStep};
 use crate::ui::{ViewContext, theme};
 use egui::{Color32, Stroke, Ui};
 use egui_tiles::{
@@ -17,10 +17,16 @@ pub(super) struct Layout {
     tree: Tree<View>,
     focus: View,
     maximised: Option<View>,
-    /// True until the analyst arranges the views; until then the arrangement follows the size of
-    /// the window.
+    /// True until the analyst arranges the views; until then the arrangement follows the step of
+    /// the work and the size of the window.
     #[serde(default)]
     is_automatic: bool,
+    /// The step that the arrangement is of.
+    #[serde(default)]
+    step: WorkStep,
+    /// Arrangements that the analyst made in other steps.
+    #[serde(default)]
+    arranged: Vec<(WorkStep, Tree<View>)>,
 }
 
 /// Height of the centre from which three views are drawn beside each other, points; in a lower
@@ -34,6 +40,8 @@ impl Default for Layout {
             focus: View::Waterfall,
             maximised: None,
             is_automatic: true,
+            step: WorkStep::default(),
+            arranged: Vec::new(),
         }
     }
 }
@@ -42,6 +50,16 @@ impl Default for Layout {
 fn in_front(tree: &Tree<View>) -> Vec<View> {
     let tiles = tree.active_tiles().into_iter();
     tiles.filter_map(|tile| tree.tiles.get_pane(&tile).copied()).collect()
+}
+
+/// Returns the arrangement with which a step begins.
+fn preset_of(step: WorkStep) -> LayoutPreset {
+    match step {
+        WorkStep::Logs => LayoutPreset::Survey,
+        WorkStep::Bottom | WorkStep::Correct => LayoutPreset::Review,
+        WorkStep::Map | WorkStep::Export => LayoutPreset::Map,
+        WorkStep::Objects => LayoutPreset::Objects,
+    }
 }
 
 fn tree(preset: LayoutPreset) -> Tree<View> {
@@ -63,6 +81,26 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
             let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], share);
             tiles.insert_container(Container::Linear(split))
         }
+        LayoutPreset::Map => {
+            let map = tab(View::Map, &mut tiles);
+            let panes = [View::Waterfall, View::Objects].map(|view| tiles.insert_pane(view));
+            let waterfall = tiles.insert_tab_tile(panes.to_vec());
+            let cloud = tab(View::Cloud, &mut tiles);
+            let beside = Linear::new_binary(LinearDir::Vertical, [cloud, waterfall], 0.5);
+            let beside = tiles.insert_container(Container::Linear(beside));
+            let split = Linear::new_binary(LinearDir::Horizontal, [map, beside], 0.6);
+            tiles.insert_container(Container::Linear(split))
+        }
+        LayoutPreset::Objects => {
+            let waterfall = tab(View::Waterfall, &mut tiles);
+            let objects = tab(View::Objects, &mut tiles);
+            let panes = [View::Map, View::Cloud].map(|view| tiles.insert_pane(view));
+            let map = tiles.insert_tab_tile(panes.to_vec());
+            let below = Linear::new_binary(LinearDir::Horizontal, [objects, map], 0.62);
+            let below = tiles.insert_container(Container::Linear(below));
+            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], 0.55);
+            tiles.insert_container(Container::Linear(split))
+        }
     };
     Tree::new(egui::Id::unique("views"), root, tiles)
 }
@@ -76,6 +114,24 @@ impl Layout {
         if let LayoutPreset::Only(view) = preset {
             self.focus = view;
         }
+    }
+
+    /// Arranges the views for a step of the work: as the analyst arranged them in that step, or
+    /// else as the step begins.
+    pub(super) fn follow_step(&mut self, step: WorkStep) {
+        if step == self.step {
+            return;
+        }
+        self.arranged.retain(|(of, _)| *of != self.step);
+        if !self.is_automatic {
+            self.arranged.push((self.step, self.tree.clone()));
+        }
+        self.step = step;
+        self.maximised = None;
+        let kept = self.arranged.iter().find(|(of, _)| *of == step);
+        self.is_automatic = kept.is_none();
+        self.tree = kept.map_or_else(|| tree(preset_of(step)), |(_, kept)| kept.clone());
+        self.bring_to_front(self.focus);
     }
 
     /// Gives a view the keyboard, and brings it to the front.
@@ -150,7 +206,7 @@ impl Layout {
         self.tree = if height < ROOM {
             Tree::new_tabs(egui::Id::unique("views"), View::ALL.to_vec())
         } else {
-            tree(LayoutPreset::Survey)
+            tree(preset_of(self.step))
         };
         self.bring_to_front(self.focus);
     }
@@ -342,6 +398,24 @@ mod tests {
         // The other view stays behind the map.
         layout.focus(View::Map);
         assert_eq!(layout.shown(), [View::Map]);
+    }
+
+    #[test]
+    fn each_step_has_its_arrangement_and_keeps_that_of_the_analyst() {
+        let mut layout = Layout::default();
+        for step in WorkStep::ALL {
+            layout.follow_step(step);
+            for view in View::ALL {
+                assert!(layout.tree.tiles.find_pane(&view).is_some(), "{step:?}: {view:?}");
+            }
+        }
+        layout.arrange(LayoutPreset::Only(View::Cloud));
+        layout.follow_step(WorkStep::Objects);
+        let shown = layout.shown();
+        // The view with the keyboard stays in front, here of the map.
+        assert_eq!(shown, [View::Waterfall, View::Objects, View::Cloud]);
+        layout.follow_step(WorkStep::Export);
+        assert_eq!(layout.shown(), [View::Cloud]);
     }
 
     #[test]

@@ -100,7 +100,7 @@ fn row(
         (false, false) => "done",
     };
     let button = ui.add(Button::selectable(is_here, text).min_size(size).truncate());
-    let button = button.accessible_name(format!("Step {label}, {state}"));
+    let button = button.accessible_name(format!("Change {label}, {state}"));
     button.on_hover_text("Goes back or forward to this step.")
 }
 

@@ -117,6 +117,7 @@ fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.menu_button("Steps", |ui| entries(ui, context, ActionGroup::WorkSteps));
     entries(ui, context, ActionGroup::Layout);
     ui.separator();
     entries(ui, context, ActionGroup::Camera);
@@ -205,7 +206,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
         _ => app.map.comparing.reference.is_some(),
     });
     ui.separator();
-    entries(ui, context, ActionGroup::Steps);
+    entries(ui, context, ActionGroup::Pings);
 }
 
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {

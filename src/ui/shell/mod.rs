@@ -379,6 +379,12 @@ impl Shell {
         Panel::top("menu bar").frame(bar).show(ui, |ui| {
             menu::ui(ui, &mut context);
         });
+        if context.app.logs.shown.survey.is_some() {
+            Panel::top("steps bar")
+                .exact_size(panels::steps::BAR_HEIGHT)
+                .frame(bar.inner_margin(egui::Margin::symmetric(8, 1)))
+                .show(ui, |ui| panels::steps::bar(ui, &mut context));
+        }
         Panel::bottom("status bar")
             .exact_size(panels::STATUS_HEIGHT)
             .frame(bar)
@@ -392,7 +398,7 @@ impl Shell {
         let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
         SidePanel::Steps.ui(ui, &mut context, side, |ui, context| {
             panels::of_given_width(ui, |ui| {
-                scrolled(ui, "scrolled steps", |ui| panels::steps(ui, context));
+                scrolled(ui, "scrolled steps", |ui| panels::steps::ui(ui, context));
             });
         });
         SidePanel::Details.ui(ui, &mut context, side, |ui, context| {
@@ -409,7 +415,13 @@ impl Shell {
             });
         let centre = ui.available_rect_before_wrap();
         CentralPanel::no_frame().show(ui, |ui| {
+            let before = self.views.areas;
+            self.layout.follow_step(context.options().panels.step);
             self.layout.ui(ui, &mut self.views, &mut context);
+            if before != self.views.areas {
+                // A view fits its contents to a new area in the next frame.
+                ui.ctx().request_repaint();
+            }
         });
         lists::show_notices(ui.ctx(), &mut context, centre);
         self.palette.ui(ui.ctx(), &mut context);
@@ -454,7 +466,7 @@ fn details(
         review.ui(ui, context);
         panels::selection::shadow(ui, context);
         panels::selection::ui(ui, context);
-        panels::section(ui, context, Section::new("Profile"), |ui, context| {
+        panels::section(ui, context, &Section::new("Profile"), |ui, context| {
             // In a taller area the curve would be all spikes.
             let left = (height - ui.min_rect().height() - 24.0).clamp(200.0, 400.0);
             let size = egui::vec2(ui.available_width(), left);

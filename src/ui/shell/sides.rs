@@ -136,9 +136,12 @@ fn default_width(window: f32) -> f32 {
     least + share * (theme::SIDE_PANEL_WIDTH - least)
 }
 
-/// Returns the height of the time line in a window of this height, points.
+/// Returns the height of the time line in a window of this height, points: in a low window the
+/// views need the space.
 pub(super) fn time_line_height(window: f32) -> f32 {
-    (0.104 * window).clamp(52.0, crate::ui::panels::timeline::HEIGHT)
+    let (low, high) = (720.0, 1000.0);
+    let share = ((window - low) / (high - low)).clamp(0.0, 1.0);
+    egui::lerp(52.0..=crate::ui::panels::timeline::HEIGHT, share)
 }
 
 /// Draws the scroll area of a panel. Its contents are as wide without a bar as with one: otherwise

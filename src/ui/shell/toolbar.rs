@@ -5,7 +5,7 @@
 use super::levels;
 use crate::app::{
     Action, CloudColour, CloudOptions, EchogramChannel, LayerShown, LayerStack, MapOptions,
-    SwipeSide, View, ViewOptions, WaterfallOptions,
+    SwipeSide, View, ViewOptions, WaterfallOptions, WorkStep,
 };
 use crate::ui::controls::{self, DropDown, number_slider, option_switch};
 use crate::ui::panels::find_setting;
@@ -139,8 +139,10 @@ fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
         let hint = "Colours each track by its log, not by depth.";
         switch(ui, &mut shown.track_by_log, "By log", hint);
     }
-    let hint = "The flat stretches for the calibration, ranked.";
-    switch(ui, &mut shown.flat_spots, "Flat stretches", hint);
+    if options.panels.step == WorkStep::Correct {
+        let hint = "The flat stretches for the calibration, ranked.";
+        switch(ui, &mut shown.flat_spots, "Flat stretches", hint);
+    }
     menu(egui::RichText::new("Layers").small())
         .ui(ui, |ui| {
             layers_control(ui, &mut shown.layers);

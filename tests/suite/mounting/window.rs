@@ -5,9 +5,9 @@ use super::{off_m, scene};
 use crate::cli::run;
 use crate::logs_window::{change, settle};
 use crate::truth::KnownSurvey;
-use crate::window::{Window, app, drawn_window, drop_file, empty_window, press};
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, open_section, press};
 use bathyscope::app::{
-    Action, BottomStroke, Command, FileToOpen, FileToWrite, Ink, LogPlace, Mountings,
+    Action, BottomStroke, Command, FileToOpen, FileToWrite, Ink, LogPlace, Mountings, WorkStep,
 };
 use bathyscope_log::survey::{Identity, MountingSettings, Side};
 use bathyscope_objects::review::{Edit, Review};
@@ -55,6 +55,7 @@ fn an_arm_is_typed_shown_and_taken_back() {
     let known = written(folder.path(), "pond.sl2", 3);
     let mut window = empty_window();
     open(&mut window, &folder.path().join("pond.sl2"));
+    open_section(&mut window, WorkStep::Correct, "Mounting");
     let off =
         |window: &Window| off_m(&known, app(window).logs.shown.products.as_ref().expect("results"));
     let before_m = off(&window);
@@ -208,6 +209,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     std::fs::write(folder.join("other.xtf"), handmade::xtf(60, 1, 3, (-73.6, 42.7), 7.5)).unwrap();
     let mut window = empty_window();
     open(&mut window, &folder.join("first.sl2"));
+    open_section(&mut window, WorkStep::Correct, "Mounting");
     let add = |window: &mut Window, name: &str| {
         let path = folder.join(name);
         window.state_mut().app.apply(Command::Add(vec![path]));
@@ -261,6 +263,7 @@ fn a_recorder_has_a_default_that_its_logs_are_opened_with() {
     let mut again = empty_window();
     again.state_mut().app.document.mountings = kept.into();
     open(&mut again, &folder.join("first.sl2"));
+    open_section(&mut again, WorkStep::Correct, "Mounting");
     assert_eq!(mounting(&again).forward_m, 2.5);
     assert!(again.query_by_label(&said).is_some());
     change(&mut again, "mounting.forward_m=1");
@@ -294,6 +297,7 @@ fn the_system_of_metres_is_typed_in_the_panel() {
         };
         logs.map(place).collect()
     };
+    open_section(&mut window, WorkStep::Correct, "Mounting");
     assert!(places(&window)[0][0].abs() < 0.01);
     let enter = |window: &mut Window, text: &str| {
         let field = window.get_by_role_and_label(Role::TextInput, "Metres of");

@@ -1,6 +1,8 @@
 //! The search for objects in the window, and the look of a review.
 
 use super::*;
+use crate::window::open_step;
+use bathyscope::app::WorkStep;
 use bathyscope_objects::truth::Mistake;
 
 /// A small model of random weights: it finds things everywhere, fast.
@@ -13,7 +15,10 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     let mut window = demo_window();
     app_mut(&mut window).apply(Command::UseModel(model("end_to_end")));
     window.run();
-    window.get_by_label("Find objects").click_accesskit();
+    open_step(&mut window, WorkStep::Objects);
+    // The table of objects offers it, too; the first button is that of the panel.
+    let button = window.get_all_by_label("Find objects").next();
+    button.expect("the search is offered").click_accesskit();
     window.run();
     let found = review_of(&window).boxes().len();
     assert!(found > 100, "{found}");

@@ -39,7 +39,7 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
-    section(ui, context, Section::new("Mistakes"), |ui, context| {
+    section(ui, context, &Section::new("Mistakes"), |ui, context| {
         let unsearched = comparison.unsearched;
         let counted = comparison.counted();
         let all = comparison.truth().objects.len() - unsearched;

@@ -55,7 +55,7 @@ impl ReviewPanel {
             return;
         }
         let top = ui.cursor().min;
-        section(ui, context, Section::new("Review"), |ui, context| {
+        section(ui, context, &Section::new("Review"), |ui, context| {
             progress(ui, context);
             if let Some(note) = context.app.search_note() {
                 warning(ui, context, &note);

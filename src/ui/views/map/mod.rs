@@ -20,7 +20,7 @@ mod transform;
 
 use super::legend;
 use super::tool::Banner;
-use crate::app::{App, Command, MapLayer, Reviewing, View, ViewOptions};
+use crate::app::{App, Command, MapLayer, Reviewing, Tool, View, ViewOptions};
 use crate::ui::{ViewContext, ViewRequest, flat, place, text, theme};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::geo::LonLat;
@@ -198,6 +198,8 @@ impl MapView {
                 .map(|whole| whole.survey.side_scan.len()),
             has_excluded: stretches::ping_count(context.app) > 0,
             has_swath: context.app.logs.has_swath(),
+            shows_flat_stretches: context.options().shows_flat_stretches(View::Map)
+                || context.app.logs.shown.reviewing.tool == Tool::Calibrate,
             proposed: context.app.logs.shown.proposed_stretch(),
             options: context.options(),
         };
@@ -399,6 +401,8 @@ struct MapScene<'a> {
     pub has_excluded: bool,
     /// True if a log has depths across the track.
     pub has_swath: bool,
+    /// True if the numbered flat stretches are drawn.
+    pub shows_flat_stretches: bool,
     /// The stretch that is proposed for the scale; `None` if no stretch is.
     pub proposed: Option<PingRange>,
     pub options: &'a ViewOptions,

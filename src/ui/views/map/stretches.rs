@@ -218,15 +218,14 @@ const SIDES: [(Vec2, Align2); 4] = [
 
 /// Draws the stretches.
 pub(super) fn paint_flat(painter: &Painter, scene: &MapScene<'_>) {
-    if scene.options.map.flat_spots {
+    if scene.shows_flat_stretches {
         let colour = theme::flat_spot_colour(scene.options);
         for (rank, spot) in scene.products.flat_spots.iter().enumerate() {
             stretch(painter, scene, &spot.pings, colour);
             badge(painter, scene, spot, &(rank + 1).to_string());
         }
     }
-    let calibration = &scene.products.calibration;
-    if let Some(spot) = &calibration.flat_spot {
+    if let Some(spot) = measured(scene) {
         stretch(painter, scene, &spot.pings, theme::CALIBRATION_COLOUR);
     }
     if let Some(pings) = scene.proposed {
@@ -235,17 +234,23 @@ pub(super) fn paint_flat(painter: &Painter, scene: &MapScene<'_>) {
     }
 }
 
+/// Returns the stretch that the calibration was measured on, if it is drawn.
+fn measured<'a>(scene: &'a MapScene<'_>) -> Option<&'a FlatSpot> {
+    let calibration = &scene.products.calibration;
+    let is_shown = scene.options.shows_measured_stretch(calibration.mode);
+    calibration.flat_spot.as_ref().filter(|_| is_shown)
+}
+
 /// Names the stretch that the calibration was measured on, beside it where nothing else is drawn.
 /// If there is no such place, only the colour marks the stretch.
 pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: &[Rect]) {
-    let calibration = &scene.products.calibration;
-    let Some(spot) = &calibration.flat_spot else {
+    let Some(spot) = measured(scene) else {
         return;
     };
     let Some(middle) = middle(scene, &spot.pings).filter(|_| legend::has_room(scene.rect)) else {
         return;
     };
-    let text = place::calibrated_name(calibration.mode);
+    let text = place::calibrated_name(scene.products.calibration.mode);
     let colour = theme::CALIBRATION_COLOUR;
     let size = legend::plate_size(painter, text);
     let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);
@@ -260,7 +265,7 @@ pub(super) fn name_calibrated(painter: &Painter, scene: &MapScene<'_>, covered: 
 }
 
 fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
-    if !scene.options.map.flat_spots {
+    if !scene.shows_flat_stretches {
         return 0;
     }
     let badges = scene.products.flat_spots.iter();
@@ -272,7 +277,7 @@ fn badges_under(scene: &MapScene<'_>, plate: Rect) -> usize {
 
 /// Returns the stretch whose number is under the pointer, with its index by rank.
 pub(super) fn under<'a>(scene: &'a MapScene<'_>, pointer: Pos2) -> Option<(usize, &'a FlatSpot)> {
-    if !scene.options.map.flat_spots {
+    if !scene.shows_flat_stretches {
         return None;
     }
     scene.products.flat_spots.iter().enumerate().find(|(_, spot)| {

@@ -5,7 +5,7 @@
 
 use super::labels::{self, WaterfallLabels};
 use super::lens::{Lens, LensPlace};
-use crate::app::{App, ExclusionEdit, Tool};
+use crate::app::{App, ExclusionEdit, Tool, View};
 use crate::ui::views::tool::{self, Does};
 use crate::ui::{ViewContext, place, theme};
 use bathyscope_bottom::calibration::{FlatSpot, PingRange};
@@ -226,7 +226,8 @@ pub(super) fn flat_in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
     };
     let calibration = &products.calibration;
     let name = place::calibrated_name(calibration.mode);
-    let used = calibration.flat_spot.iter();
+    let is_shown = app.view.options.shows_measured_stretch(calibration.mode);
+    let used = calibration.flat_spot.iter().filter(|_| is_shown);
     let used = used.filter_map(|spot| stretch(lens, &spot.pings, Kind::InUse, name.to_owned()));
     let proposed = app.logs.shown.proposed_stretch();
     let proposed = proposed.map(|pings| pings.start..pings.end);
@@ -244,7 +245,8 @@ pub(super) fn flat_in_view(lens: &Lens, app: &App) -> Vec<ShownStretch> {
 }
 
 fn shows_ranked(app: &App) -> bool {
-    app.view.options.waterfall.flat_stretches || app.logs.shown.reviewing.tool == Tool::Calibrate
+    app.view.options.shows_flat_stretches(View::Waterfall)
+        || app.logs.shown.reviewing.tool == Tool::Calibrate
 }
 
 /// Returns the ranked stretch whose bar is under the pointer.

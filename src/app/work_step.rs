@@ -1,0 +1,193 @@
+//! Gives the steps of the work on a survey their titles and commands, and finds the state of each.
+
+use super::options::WorkStep;
+use super::{Action, App, JobKey};
+use bathyscope_bottom::presentation::text::count;
+use bathyscope_log::survey::SideScanState;
+use bathyscope_products::pipeline::{Products, Stage};
+
+/// State of the results of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum StepState {
+    /// There is no result.
+    Open,
+    /// There is a result, and nothing about it is in doubt.
+    Done,
+    /// There is a result, and the analyst should look at something: a sentence, in metres.
+    NeedsLook(String),
+    /// The result was made with other settings.
+    OutOfDate,
+    /// The result is being made; the done share, 0 to 1, where it is known.
+    Running(Option<f32>),
+}
+
+/// Share of first returns above the recorded depth from which they need a look.
+const MANY_ABOVE: f64 = 0.05;
+
+impl WorkStep {
+    /// Returns the number of the step, which is its key with Alt: 1 to 6.
+    pub(crate) fn number(self) -> usize {
+        self as usize + 1
+    }
+
+    /// Returns the command that opens the step.
+    pub(crate) fn action(self) -> Action {
+        match self {
+            WorkStep::Logs => Action::StepLogs,
+            WorkStep::Bottom => Action::StepBottom,
+            WorkStep::Correct => Action::StepCorrect,
+            WorkStep::Map => Action::StepMap,
+            WorkStep::Objects => Action::StepObjects,
+            WorkStep::Export => Action::StepExport,
+        }
+    }
+
+    /// Returns the title of the step.
+    pub(crate) fn title(self) -> &'static str {
+        let label = self.action().label();
+        label.split_once(": ").map_or(label, |(_, title)| title)
+    }
+
+    /// Returns the title of the step for a narrow window.
+    pub(crate) fn short_title(self) -> &'static str {
+        match self {
+            WorkStep::Logs => "Logs",
+            WorkStep::Bottom => "Bottom",
+            WorkStep::Correct => "Correct",
+            WorkStep::Map => "Map",
+            WorkStep::Objects => "Objects",
+            WorkStep::Export => "Export",
+        }
+    }
+
+    /// Returns the state of the step for the shown log.
+    pub(crate) fn state(self, app: &App) -> StepState {
+        match self {
+            WorkStep::Logs => logs(app),
+            WorkStep::Bottom => {
+                of_stages(app, Stage::FirstReturn, |products| bottom(app, products))
+            }
+            WorkStep::Correct => {
+                of_stages(app, Stage::Calibration, |products| correct(app, products))
+            }
+            WorkStep::Map => map(app),
+            WorkStep::Objects => objects(app),
+            WorkStep::Export => export(app),
+        }
+    }
+}
+
+/// Returns the state of a result that is made by the stages up to `last`: with a sentence from
+/// `doubt` if something about it needs a look.
+fn of_stages(app: &App, last: Stage, doubt: impl FnOnce(&Products) -> Option<String>) -> StepState {
+    match app.running_stage() {
+        Some((running, share)) if running == last => return StepState::Running(Some(share)),
+        Some((running, _)) if running < last => return StepState::Running(None),
+        _ => {}
+    }
+    let is_stale = app.logs.shown.stale().is_some_and(|first| first <= last);
+    match &app.logs.shown.products {
+        None => StepState::Open,
+        Some(_) if is_stale && app.is_stopped() => StepState::OutOfDate,
+        Some(_) if is_stale => StepState::Running(None),
+        Some(products) => doubt(products).map_or(StepState::Done, StepState::NeedsLook),
+    }
+}
+
+fn logs(app: &App) -> StepState {
+    if let Some(share) = app.jobs.fraction(&JobKey::OpenLog) {
+        return StepState::Running(Some(share));
+    }
+    let Some(survey) = &app.logs.shown.survey else {
+        return StepState::Open;
+    };
+    let of_heights = app.unlevelled();
+    let apart = || app.logs.all().any(|log| log.apart.is_some());
+    let apart = || apart().then(|| "A log is not on the map.".to_owned());
+    let warned = || match survey.warnings.len() {
+        0 => None,
+        1 => Some("The log has a warning.".to_owned()),
+        several => Some(format!("The log has {} warnings.", count(several))),
+    };
+    of_heights.or_else(apart).or_else(warned).map_or(StepState::Done, StepState::NeedsLook)
+}
+
+fn bottom(app: &App, products: &Products) -> Option<String> {
+    let survey = app.logs.shown.survey.as_ref()?;
+    if survey.side_scan_state != SideScanState::Usable {
+        return Some("The log has no side-scan.".to_owned());
+    }
+    if let Some(warning) = products.bottom_line.warnings.first() {
+        return Some(warning.clone());
+    }
+    let figures = app.logs.shown.figures.as_ref()?;
+    let (above, all) = (figures.above_bottom.count, figures.port_picks + figures.starboard_picks);
+    (above as f64 > MANY_ABOVE * all as f64).then(|| {
+        format!("{} of {} first returns are above the recorded depth.", count(above), count(all))
+    })
+}
+
+fn correct(app: &App, products: &Products) -> Option<String> {
+    let correction = &products.correction;
+    let lack = match [correction.knows_draft(), correction.knows_level()] {
+        [true, true] => None,
+        [false, false] => Some("Draft and water level are not given."),
+        [false, true] => Some("The draft is not given."),
+        [true, false] => Some("The water level is not given."),
+    };
+    let scale = || products.calibration.warnings.first().cloned();
+    let exclusions =
+        || app.logs.shown.exclusions().and_then(|found| found.exclusions.warnings.first().cloned());
+    correction.gap_warning().or_else(scale).or_else(exclusions).or(lack.map(str::to_owned))
+}
+
+fn map(app: &App) -> StepState {
+    if app.jobs.is_running(&JobKey::DepthMap) {
+        return StepState::Running(app.jobs.fraction(&JobKey::DepthMap));
+    }
+    of_stages(app, Stage::Relief, |_| {
+        // A map that nothing shows is not made.
+        matches!(app.depth_map(), Some(None)).then(|| "The depths span no surface.".to_owned())
+    })
+}
+
+fn objects(app: &App) -> StepState {
+    if let Some(status) = app.search_status() {
+        return StepState::Running(Some(status.share));
+    }
+    if !app.logs.has_boxes() {
+        return StepState::Open;
+    }
+    let undecided = app.logs.review_counts().boxes.proposed;
+    match (undecided, app.search_note()) {
+        (0, None) => StepState::Done,
+        (0, Some(note)) => StepState::NeedsLook(note),
+        (1, _) => StepState::NeedsLook("A box is undecided.".to_owned()),
+        (several, _) => StepState::NeedsLook(format!("{} boxes are undecided.", count(several))),
+    }
+}
+
+fn export(app: &App) -> StepState {
+    if let Some(share) = app.jobs.fraction(&JobKey::Export) {
+        return StepState::Running(Some(share));
+    }
+    match (&app.files.exported, app.out_of_date()) {
+        (None, _) => StepState::Open,
+        (Some(_), Some(_)) => StepState::OutOfDate,
+        (Some(_), None) => StepState::Done,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_step_has_its_number_in_its_command_and_key() {
+        for step in WorkStep::ALL {
+            let (action, number) = (step.action(), step.number());
+            assert_eq!(action.label(), format!("Step {number}: {}", step.title()));
+            assert_eq!(action.key(), format!("Alt+{number}"));
+        }
+    }
+}
