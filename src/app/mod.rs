@@ -81,7 +81,7 @@ pub use reviewing::{
 pub use source::Mountings;
 pub use state::App;
 pub(crate) use watching::LISTED_EVERY as CARDS_LISTED_EVERY;
-pub(crate) use work_step::StepState;
+pub(crate) use work_step::{Freshness, StepState};
 
 pub use bathyscope_objects::objects::{LogBox, LogId, Object, ObjectColumn, ObjectState};
 pub use bathyscope_products::pipeline::{Jobs, Task, TaskOutcome};

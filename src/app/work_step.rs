@@ -67,9 +67,8 @@ impl WorkStep {
             WorkStep::Bottom => {
                 of_stages(app, Stage::FirstReturn, |products| bottom(app, products))
             }
-            WorkStep::Correct => {
-                of_stages(app, Stage::Calibration, |products| correct(app, products))
-            }
+            // Draft, water level and sound speed act on the cloud.
+            WorkStep::Correct => of_stages(app, Stage::Cloud, |products| correct(app, products)),
             WorkStep::Map => map(app),
             WorkStep::Objects => objects(app),
             WorkStep::Export => export(app),
@@ -77,20 +76,46 @@ impl WorkStep {
     }
 }
 
-/// Returns the state of a result that is made by the stages up to `last`: with a sentence from
-/// `doubt` if something about it needs a look.
-fn of_stages(app: &App, last: Stage, doubt: impl FnOnce(&Products) -> Option<String>) -> StepState {
-    match app.running_stage() {
-        Some((running, share)) if running == last => return StepState::Running(Some(share)),
-        Some((running, _)) if running < last => return StepState::Running(None),
-        _ => {}
+/// State of a stage's result in relation to its settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Freshness {
+    /// The result is that of the settings.
+    Fresh,
+    /// The result was made with other settings, and no work is running to update it.
+    OutOfDate,
+    /// The result is made again after the stages before it.
+    Waiting,
+    /// The result is being made; the done share, 0 to 1.
+    Running(f32),
+}
+
+impl Freshness {
+    /// Returns the state of the result of a stage for the shown log.
+    pub(crate) fn of(app: &App, stage: Stage) -> Self {
+        match app.running_stage() {
+            Some((running, share)) if running == stage => return Self::Running(share),
+            Some((running, _)) if running < stage => return Self::Waiting,
+            _ => {}
+        }
+        match app.logs.shown.stale() {
+            Some(first) if first <= stage && app.is_stopped() => Self::OutOfDate,
+            Some(first) if first <= stage => Self::Waiting,
+            _ => Self::Fresh,
+        }
     }
-    let is_stale = app.logs.shown.stale().is_some_and(|first| first <= last);
-    match &app.logs.shown.products {
-        None => StepState::Open,
-        Some(_) if is_stale && app.is_stopped() => StepState::OutOfDate,
-        Some(_) if is_stale => StepState::Running(None),
-        Some(products) => doubt(products).map_or(StepState::Done, StepState::NeedsLook),
+}
+
+/// Returns the state of a step whose last stage is `last`: with a sentence from `doubt` if
+/// something about the result needs a look.
+fn of_stages(app: &App, last: Stage, doubt: impl FnOnce(&Products) -> Option<String>) -> StepState {
+    match (Freshness::of(app, last), &app.logs.shown.products) {
+        (Freshness::Running(share), _) => StepState::Running(Some(share)),
+        (Freshness::Waiting, _) => StepState::Running(None),
+        (_, None) => StepState::Open,
+        (Freshness::OutOfDate, Some(_)) => StepState::OutOfDate,
+        (Freshness::Fresh, Some(products)) => {
+            doubt(products).map_or(StepState::Done, StepState::NeedsLook)
+        }
     }
 }
 

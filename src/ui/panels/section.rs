@@ -1,6 +1,7 @@
 //! Draws the foldable sections of a panel, with their headings, and moves the keyboard to them.
 
 use super::parts::within;
+use crate::app::Freshness;
 use crate::ui::{ViewContext, theme};
 use bathyscope_products::pipeline::Stage;
 use egui::{Response, Ui};
@@ -34,36 +35,6 @@ impl Section {
     }
 }
 
-/// State of a stage's result in relation to its settings.
-#[derive(Clone, Copy, PartialEq)]
-enum Freshness {
-    Fresh,
-    /// The result was made with other settings, and no work is running to update it.
-    OutOfDate,
-    /// The result is made again after the stages before it.
-    Waiting,
-    Running(f32),
-}
-
-fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
-    let Some(stage) = stage else {
-        return Freshness::Fresh;
-    };
-    if let Some((running, fraction)) = context.app.running_stage() {
-        if running == stage {
-            return Freshness::Running(fraction);
-        }
-        if running < stage {
-            return Freshness::Waiting;
-        }
-    }
-    match context.app.logs.shown.stale() {
-        Some(first) if first <= stage && context.app.is_stopped() => Freshness::OutOfDate,
-        Some(first) if first <= stage => Freshness::Waiting,
-        _ => Freshness::Fresh,
-    }
-}
-
 fn folded_id(title: &str) -> egui::Id {
     egui::Id::unique(("folded", title))
 }
@@ -92,7 +63,8 @@ pub(crate) fn section(
     let folded_id = folded_id(section.title);
     let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
     let mut folded = known.unwrap_or(section.begins_folded);
-    let freshness = freshness(context, section.stage);
+    let of_stage = |stage| Freshness::of(context.app, stage);
+    let freshness = section.stage.map_or(Freshness::Fresh, of_stage);
     let title = heading(ui, context, section, folded, freshness);
     let wanted = ui.data_mut(|data| {
         let is_this = data.get_temp(wanted_id()) == Some(section.title);
