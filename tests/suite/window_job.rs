@@ -199,17 +199,18 @@ fn logs_with_something_missing_say_what() {
     let Some(data) = real_data() else {
         return;
     };
-    for (log, said) in [
-        ("lowrance/river-downscan-only.sl2", "no side-scan in this log"),
-        ("lowrance/hobart-20m.sl3", "no side-scan: range ±1.5 m"),
-        ("lowrance/elite4-stray-bytes.sl2", "This log has no side-scan."),
-        ("xtf/000_1236.xtf", "records no depth"),
+    for (log, step, said) in [
+        ("lowrance/river-downscan-only.sl2", WorkStep::Logs, "no side-scan in this log"),
+        ("lowrance/hobart-20m.sl3", WorkStep::Logs, "no side-scan: range ±1.5 m"),
+        ("lowrance/elite4-stray-bytes.sl2", WorkStep::Bottom, "This log has no side-scan."),
+        ("xtf/000_1236.xtf", WorkStep::Logs, "records no depth"),
     ] {
         let mut window = empty_window();
         drop_file(&mut window, data.join(log));
         let notices = &app(&window).notices.shown();
         assert!(notices.is_empty(), "{log}: {notices:?}");
         assert!(app(&window).logs.shown.products.is_some(), "{log}");
+        open_step(&mut window, step);
         assert!(window.query_all_by_label_contains(said).next().is_some(), "{log}");
         for key in [Key::End, Key::C, Key::O, Key::CloseBracket, Key::F, Key::Space] {
             press_some(&mut window, key);
