@@ -22,6 +22,9 @@ const NEIGHBOURS_S: f64 = 10.0;
 /// that belong to one loss of the bottom.
 const TOGETHER_S: f64 = 3.0;
 const TOGETHER: usize = 8;
+/// Largest number of soundings before and after the jumps of a loss that are checked whether they
+/// belong to it.
+const BESIDE: usize = 4 * TOGETHER;
 /// Fewest jumps close together, up and down, that are a loss of the bottom; fewer are boulders,
 /// piers and ledges, which make two jumps each.
 const JUMPS: usize = 4;
@@ -70,7 +73,7 @@ pub(crate) fn mark_faults_from(
     for index in (from.saturating_sub(LONGEST_LOSS)..from).rev() {
         let after_s = soundings.get(quiet).unwrap_or(&soundings[index]).time_s;
         let is_long_ago = after_s - soundings[index].time_s > 2.0 * TOGETHER_S;
-        if is_long_ago && quiet - index > 2 * TOGETHER {
+        if is_long_ago && quiet - index > 2 * BESIDE {
             break;
         }
         if index > 0 && jump(soundings, fixes, index - 1, index).is_some() {
@@ -85,7 +88,7 @@ pub(crate) fn mark_faults_from(
         });
         quiet = leap.unwrap_or(quiet);
     }
-    let first = quiet.saturating_sub(REACH + 1);
+    let first = quiet.saturating_sub(BESIDE + REACH + 1);
     let counted = if has_side_scan { 0 } else { LONGEST_LOSS / LEAP_SHARE };
     let start = first.saturating_sub(2 * REACH + 1 + counted);
     let mut tail = soundings[start..].to_vec();
@@ -96,10 +99,10 @@ pub(crate) fn mark_faults_from(
 }
 
 /// Sets [`Sounding::fault`] of all soundings: from the first to the last jump of a loss of the
-/// bottom (or to the end of a log that ends in a loss), between a leap far below the bottom and the
-/// leap back, and on single glitches. `fixes` give the way of the boat from one sounding to the
-/// next; both are in time order. In a log with side-scan, leaps mark nothing: they are checked
-/// against the first returns elsewhere.
+/// bottom (or to the end of a log that ends in a loss), with the soundings beside it that are as
+/// rough; between a leap far below the bottom and the leap back; and on single glitches. `fixes`
+/// give the way of the boat from one sounding to the next; both are in time order. In a log with
+/// side-scan, leaps mark nothing: they are checked against the first returns elsewhere.
 pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: bool) {
     for sounding in &mut *soundings {
         sounding.fault = None;
@@ -124,7 +127,7 @@ pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: boo
     let losses: Vec<_> = jumps
         .chunk_by(|a, b| together(a.index, b.index))
         .filter(is_loss)
-        .map(|loss| loss[0].index..=until(loss[loss.len() - 1].index))
+        .map(|loss| with_beside(soundings, loss[0].index..=until(loss[loss.len() - 1].index)))
         .collect();
     let below = if has_side_scan { Vec::new() } else { leaps_below(soundings, fixes, &others) };
     let found = [
@@ -137,6 +140,37 @@ pub fn mark_faults(soundings: &mut [Sounding], fixes: &[Fix], has_side_scan: boo
             soundings[index].fault = Some(fault);
         }
     }
+}
+
+/// Returns a loss of the bottom with the soundings before and after its jumps that belong to it:
+/// random depths of a slow recorder, metres apart, are now and then no steeper than a bed. Only a
+/// bed goes on as it was.
+fn with_beside(soundings: &[Sounding], loss: RangeInclusive<usize>) -> RangeInclusive<usize> {
+    let (first, last) = (*loss.start(), *loss.end());
+    let before = rough_soundings(soundings[..first].iter().rev());
+    first - before..=last + rough_soundings(&soundings[last + 1..])
+}
+
+/// Returns the number of soundings beside a loss of the bottom that belong to it; `away` leads away
+/// from the loss. They end with the farthest rough one up to which half or more are rough: their
+/// depth differs from that to which the next two lead by more than depths of one place do.
+fn rough_soundings<'a>(away: impl IntoIterator<Item = &'a Sounding>) -> usize {
+    let away: Vec<&Sounding> = away.into_iter().take(BESIDE + 2).collect();
+    let (mut rough, mut belong) = (0, 0);
+    for (index, three) in away.windows(3).enumerate() {
+        let is_near = (three[2].time_s - three[0].time_s).abs() < 2.0 * NEIGHBOURS_S;
+        if !is_near || index - belong >= TOGETHER {
+            break;
+        }
+        let [depth_m, next_m, second_m] = [0, 1, 2].map(|at| three[at].depth_m);
+        if differ_as_no_bed([depth_m, 2.0 * next_m - second_m]) {
+            rough += 1;
+            if 2 * rough > index {
+                belong = index + 1;
+            }
+        }
+    }
+    belong
 }
 
 /// Returns for each sounding true if it is a single glitch between two soundings that agree: the
@@ -321,6 +355,24 @@ mod tests {
     }
 
     #[test]
+    fn random_depths_of_a_slow_recorder_are_lost_though_a_bed_could_be_as_steep() {
+        // Drawn evenly from 1.7 m to 30 m; the longest part without a jump has ten.
+        let random = [
+            9.1, 10.1, 24.7, 4.3, 18.7, 22.3, 7.0, 3.3, 9.5, 20.3, 17.6, 5.9, 13.9, 20.6, 13.7,
+            19.6, 29.1, 21.0, 12.8, 7.0, 11.5, 16.2, 26.9, 23.6,
+        ];
+        let lost = 60..60 + random.len();
+        let depth_m = |index: usize| match index.checked_sub(lost.start) {
+            Some(at) if at < random.len() => random[at],
+            _ => 6.0 + 1.5 * (index as f32 / 6.0).sin(),
+        };
+        let (mut soundings, fixes) = sailed(5.0, (0..120).map(depth_m));
+        mark_faults(&mut soundings, &fixes, false);
+        let marked: Vec<usize> = (0..120).filter(|&index| !soundings[index].is_good()).collect();
+        assert_eq!(marked, lost.collect::<Vec<_>>());
+    }
+
+    #[test]
     fn soundings_that_are_added_are_marked_as_if_they_had_been_there() {
         let depth = |i: usize| match i {
             100..180 => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
@@ -328,15 +380,22 @@ mod tests {
             250 => 9.0,
             _ => 2.0,
         };
-        let sounding = |index: usize| Sounding::new(0.1 * index as f64, depth(index));
-        let mut whole: Vec<Sounding> = (0..300).map(sounding).collect();
-        mark_faults(&mut whole, &[], false);
-        for shorter in (1..300).step_by(3) {
-            let mut grown = whole[..shorter].to_vec();
-            mark_faults(&mut grown, &[], false);
-            grown.extend((shorter..300).map(sounding));
-            mark_faults_from(&mut grown, &[], false, shorter);
-            assert_eq!(grown, whole, "grown from {shorter} soundings");
+        let random = |i: usize| match i {
+            100..150 => (i * i * 7919 % 283) as f32 / 10.0 + 1.7,
+            _ => 6.0,
+        };
+        for (mut whole, fixes) in
+            [sailed(0.1, (0..300).map(depth)), sailed(5.0, (0..300).map(random))]
+        {
+            let unmarked = whole.clone();
+            mark_faults(&mut whole, &fixes, false);
+            for shorter in (1..300).step_by(3) {
+                let mut grown = whole[..shorter].to_vec();
+                mark_faults(&mut grown, &fixes, false);
+                grown.extend_from_slice(&unmarked[shorter..]);
+                mark_faults_from(&mut grown, &fixes, false, shorter);
+                assert_eq!(grown, whole, "grown from {shorter} soundings");
+            }
         }
     }
 
