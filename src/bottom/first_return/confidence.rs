@@ -11,7 +11,7 @@
 //! recorded depth is the share of such picks that are the ground ([`ABOVE_BOTTOM_SHARE`]).
 
 use super::{FirstReturns, Method, Pick, Settled};
-use bathyscope_log::support::statistics::{median, median_of, spread_about};
+use bathyscope_log::support::statistics::{median, spread_about};
 use bathyscope_log::survey::{Side, Survey};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -182,18 +182,32 @@ fn support(
 fn support_along(ranges_m: &[f32], ping: usize, allowed_m: impl Fn(usize) -> f32) -> f32 {
     let range_m = ranges_m[ping];
     let level = support(ranges_m, ping, |_| range_m, &allowed_m);
-    if level >= ENOUGH_SUPPORT {
+    if level >= ENOUGH_SUPPORT || range_m.is_nan() {
         return level;
     }
-    let away = 1..=REACH.min(ping).min(ranges_m.len() - 1 - ping);
-    let moves = away
-        .map(|away| f64::from(ranges_m[ping + away] - ranges_m[ping - away]) / (2 * away) as f64);
-    let movement_m = median_of(moves.filter(|moved| moved.is_finite())) as f32;
+    let movement_m = movement_m(ranges_m, ping);
     if movement_m.abs() > FAST_M {
         let expected_m = |other: usize| range_m + movement_m * (other as f32 - ping as f32);
         return level.max(support(ranges_m, ping, expected_m, allowed_m));
     }
     level
+}
+
+/// Returns the median movement of the bottom from ping to ping around a ping, metres; 0 where it is
+/// no larger than [`FAST_M`].
+fn movement_m(ranges_m: &[f32], ping: usize) -> f32 {
+    // An array, and a count before the median: this is asked for many pings at each step of the
+    // slider.
+    let (mut moves, mut count, mut fast) = ([0.0; REACH], 0, 0);
+    for away in 1..=REACH.min(ping).min(ranges_m.len() - 1 - ping) {
+        let moved = f64::from(ranges_m[ping + away] - ranges_m[ping - away]) / (2 * away) as f64;
+        if moved.is_finite() {
+            moves[count] = moved;
+            count += 1;
+            fast += usize::from(moved.abs() as f32 > FAST_M);
+        }
+    }
+    if 2 * fast < count || count == 0 { 0.0 } else { median(&mut moves[..count]) as f32 }
 }
 
 impl Evidence {
@@ -349,15 +363,18 @@ fn doubt_beyond(
     survey: &Survey,
     first: usize,
     sides: [&mut [Pick]; 2],
-    farthest_m: &dyn Fn(f64) -> f64,
+    farthest_m: &(dyn Fn(f64) -> f64 + Sync),
 ) {
-    for index in 0..sides[0].len() {
-        let depth_m = f64::from(survey.good_depth_m(first + index));
-        let ranges_m =
-            Side::BOTH.map(|side| sides[side as usize][index].range_m(survey, first + index, side));
-        for side in Side::BOTH {
-            let (own_m, other_m) = (ranges_m[side as usize], ranges_m[side.other() as usize]);
-            let pick = &mut sides[side as usize][index];
+    let [port, starboard] = sides;
+    let pings = port.par_iter_mut().zip(starboard).enumerate().with_min_len(1024);
+    pings.for_each(|(index, (port, starboard))| {
+        let ping = first + index;
+        let depth_m = f64::from(survey.good_depth_m(ping));
+        let port_m = port.range_m(survey, ping, Side::Port);
+        let starboard_m = starboard.range_m(survey, ping, Side::Starboard);
+        for (pick, own_m, other_m) in
+            [(port, port_m, starboard_m), (starboard, starboard_m, port_m)]
+        {
             let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
             let is_certain =
                 pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
@@ -367,7 +384,7 @@ fn doubt_beyond(
                 pick.confidence = 0.0;
             }
         }
-    }
+    });
 }
 
 #[cfg(test)]
