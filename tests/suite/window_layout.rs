@@ -62,6 +62,8 @@ fn what_cannot_be_removed_is_not_offered() {
     let mut window = demo_window();
     window.get_by_label("File").click();
     window.run();
+    window.get_by_label("Other files").click();
+    window.run();
     let entry = |window: &Window, name: &str| {
         let entry = window.get_by_label_contains(name);
         entry.accesskit_node().is_disabled()
@@ -109,13 +111,12 @@ fn a_menu_of_a_view_breaks_no_word() {
 #[test]
 fn the_cloud_is_in_view_after_a_change_of_preset() {
     use bathyscope::app::View;
-    use bathyscope::ui::Alone;
     let picture = |first: Preset, then: Option<Preset>| {
         let mut window = drawn_window([500.0, 400.0]);
         // A new survey starts from these.
         (window.state_mut().app).use_settings(&Settings::preset(first));
         window.state_mut().app.apply(Command::OpenDemo);
-        window.state_mut().show_alone(Alone::View(View::Cloud));
+        window.state_mut().show_alone(View::Cloud);
         settle(&mut window);
         if let Some(preset) = then {
             window.state_mut().app.apply(Command::UsePreset(preset));

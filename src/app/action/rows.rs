@@ -15,7 +15,7 @@
 macro_rules! action_rows {
     ($reader:ident) => {
         $reader! {
-            /// Files and logs of the survey.
+            /// Logs that are opened.
             File {
                 Open, "Open survey…", key("Ctrl+O"), "Opens one log, or several logs as one survey."
                     => Window(WindowAction::OpenLogs);
@@ -23,14 +23,18 @@ macro_rules! action_rows {
                     => Window(WindowAction::OpenFolder);
                 OpenPath, "Open path…", key("Ctrl+Shift+P"), "Opens a log by its path: file or folder."
                     => Window(WindowAction::OpenPath);
-                OpenDemo, "Open the demo survey", "Opens the simulated pond that comes with the program."
-                    => State(|app| app.load([LogOrigin::Demo].into_iter(), OpenMode::Instead));
+                AddLog, "Add survey…", key("Ctrl+Shift+O"), "Adds a log to those that are open: one map, one cloud, one set of products."
+                    => Window(WindowAction::AddLogs);
+            }
+            /// The project file.
+            Project {
                 SaveProject, "Save project", key("Ctrl+S"), "Saves logs, settings and all decisions in the project file; asks for its name the first time."
                     => Window(WindowAction::SaveProject);
                 SaveProjectAs, "Save project as…", key("Ctrl+Shift+S"), "Saves what is open as a project in another file."
                     => Window(WindowAction::SaveProjectAs);
-                AddLog, "Add survey…", key("Ctrl+Shift+O"), "Adds a log to those that are open: one map, one cloud, one set of products."
-                    => Window(WindowAction::AddLogs);
+            }
+            /// The shown log among the open ones.
+            ShownLog {
                 FollowRecording, "Follow recording", key("Ctrl+L"), "Shows new pings of this log while the recorder writes them. Press it again to stop and to read the whole log."
                     => State(App::toggle_following);
                 ShowTogether, "Show all logs together", "Shows every open log on one map, also those far from the others and those too short."
@@ -59,11 +63,11 @@ macro_rules! action_rows {
             /// Recordings of other instruments over the open survey.
             External {
                 OpenWaterLevels, "Open water levels…", "Corrects depths by the readings of a gauge or tide: CSV with time and level_m."
-                    => Window(WindowAction::OpenWaterLevels);
+                    => Window(WindowAction::OpenWaterLevels), when(|app| app.logs.shown.survey.is_some());
                 RemoveWaterLevels, "Remove the water levels", "Removes the readings; depths are corrected by the water level alone."
                     => Settings("water levels", |settings| settings.water_level = Default::default()), when(|app| app.logs.shown.settings.water_level.file.is_some());
                 OpenTrack, "Open external track…", "Uses the positions of another receiver: CSV with time, lon and lat, or GPX."
-                    => Window(WindowAction::OpenTrack);
+                    => Window(WindowAction::OpenTrack), when(|app| app.logs.shown.survey.is_some());
                 RemoveTrack, "Remove the external track", "Uses the positions of the recorder again."
                     => Settings("external track", |settings| settings.track = Default::default()), when(|app| app.logs.shown.settings.track.file.is_some());
             }
@@ -77,9 +81,9 @@ macro_rules! action_rows {
             /// Products and pictures.
             Export {
                 Export, "Export products…", key("Ctrl+E"), "Writes the chosen products into a folder."
-                    => Window(WindowAction::Export);
+                    => Window(WindowAction::Export), when(|app| app.logs.shown.products.is_some());
                 PrintView, "Print view…", key("Ctrl+Shift+E"), "Draws a view as a PNG at print resolution, with scales and legend."
-                    => Window(WindowAction::PrintView);
+                    => Window(WindowAction::PrintView), when(|app| app.logs.shown.products.is_some());
             }
             /// The folder that was written last.
             Exported {
@@ -103,8 +107,10 @@ macro_rules! action_rows {
                 History, "History…", key("Ctrl+H"), "Lists the changes; a click on a step goes back or forward to it."
                     => Window(WindowAction::History);
             }
-            /// Commands, messages and the manual.
+            /// The demo, commands, messages and the manual.
             Help {
+                OpenDemo, "Open the demo survey", "Opens the simulated pond that comes with the program."
+                    => State(|app| app.load([LogOrigin::Demo].into_iter(), OpenMode::Instead));
                 Palette, "Run a command…", key("Ctrl+P"), key("Ctrl+K"), "Finds a command or a setting by name."
                     => Window(WindowAction::Palette);
                 Notices, "Notices…", key("F9"), "Lists all messages since the program was started, the newest first."
@@ -136,11 +142,11 @@ macro_rules! action_rows {
                 FocusCloud, "3D cloud", key("3"), acts_in(KeyScope::Boxes), "Moves the keyboard to the 3D cloud."
                     => Window(WindowAction::Focus(View::Cloud));
             }
-            /// Arrangement of the views and panels.
+            /// Arrangement of the views.
             Layout {
                 LayoutSurvey, "Layout: survey", "Waterfall above, map and 3D cloud below."
                     => Window(WindowAction::Arrange(LayoutPreset::Survey));
-                LayoutReview, "Layout: review", "A large waterfall above, map and 3D cloud below."
+                LayoutReview, "Layout: review", "A large waterfall above, profile and map below."
                     => Window(WindowAction::Arrange(LayoutPreset::Review));
                 LayoutLargeMap, "Layout: map", "A large map, with 3D cloud and waterfall beside it."
                     => Window(WindowAction::Arrange(LayoutPreset::Map));
@@ -152,8 +158,13 @@ macro_rules! action_rows {
                     => Window(WindowAction::Arrange(LayoutPreset::Only(View::Map)));
                 LayoutCloud, "Layout: 3D cloud only", "Shows the 3D cloud alone."
                     => Window(WindowAction::Arrange(LayoutPreset::Only(View::Cloud)));
+            }
+            /// Views, panels and the window.
+            Window {
                 FocusObjects, "Objects", key("4"), key("Ctrl+T"), acts_in(KeyScope::Boxes), "Moves the keyboard to the table of objects; Up and Down select a row, Enter zooms to the object."
                     => Window(WindowAction::Focus(View::Objects));
+                FocusProfile, "Profile", key("5"), acts_in(KeyScope::Boxes), "Moves the keyboard to the profile of the selected ping."
+                    => Window(WindowAction::Focus(View::Profile));
                 FullScreen, "Full screen", key("F11"), "Shows the window on the whole screen; F11 or Escape ends it."
                     => Window(WindowAction::FullScreen);
                 Maximise, "Maximise view", key("Shift+F11"), "Shows the focused view alone, or all views again."
@@ -162,10 +173,10 @@ macro_rules! action_rows {
                     => Window(WindowAction::FocusPanels);
                 StepsPanel, "Panel of steps on or off", key("F7"), "Shows or hides the left panel: the survey and the processing steps."
                     => Window(WindowAction::StepsPanel);
-                DetailsPanel, "Panel of details on or off", key("F8"), "Shows or hides the right panel: review, selection and profile."
+                DetailsPanel, "Panel of details on or off", key("F8"), "Shows or hides the right panel, which shows what is selected and the review of boxes."
                     => Window(WindowAction::DetailsPanel);
             }
-            /// Cameras of the views, and what the 3D view shows.
+            /// Cameras of the views.
             Camera {
                 Fit, "Fit view", key("F"), acts_in(KeyScope::Views), "Shows everything in the focused view."
                     => Window(WindowAction::Fit);
@@ -177,6 +188,9 @@ macro_rules! action_rows {
                     => Window(WindowAction::TopView);
                 SideView, "3D: from the south", key("8"), acts_in(KeyScope::Cloud), "Looks at the cloud from the side."
                     => Window(WindowAction::SideView);
+            }
+            /// Contents of the 3D view.
+            Cloud3d {
                 NextCloudColour, "3D: next colours", key("Shift+C"), acts_in(KeyScope::Cloud), "Colours the points by side, depth, echo level or slant range, or by log where there are several."
                     => State(|app| app.view.options.cloud.colour = app.view.options.cloud.colour.next(app.logs.count() > 1));
                 Points3d, "3D: points on or off", key("Shift+P"), acts_in(KeyScope::Cloud), "Shows or hides the points in 3D."
@@ -195,9 +209,11 @@ macro_rules! action_rows {
                     => Toggle("Isobaths on the bottom", |options| &mut options.cloud.isobaths);
                 TurnLight, "3D: turn the light", key("Shift+L"), acts_in(KeyScope::Cloud), "Turns the light on the bottom clockwise by 45 degrees."
                     => Options(|options| options.cloud.turn_light());
+                OutlierPreview, "Outlier preview", key("O"), acts_in(KeyScope::Cloud), "Shows the points that the depth map does not use: outliers, above-bottom returns and others."
+                    => Toggle("Outliers", |options| &mut options.cloud.outlier_preview);
             }
-            /// Picture of the waterfall.
-            WaterfallPicture {
+            /// Gain, filters and directions of the waterfall.
+            Levels {
                 LevelsReset, "Reset waterfall levels", "Resets gain, filters and levels of this log's waterfall."
                     => Settings("levels of the waterfall", |settings| settings.picture = settings.picture.reset());
                 GainNormalised, "Gain normalised or as recorded", key("Y"), acts_in(KeyScope::Waterfall), "Divides the levels of the waterfall by the mean of the log at the same range and angle, or shows them as recorded."
@@ -206,6 +222,13 @@ macro_rules! action_rows {
                     => Settings("stripe filter", |settings| toggle(&mut settings.picture.stripe_filter));
                 Despeckle, "Despeckle on or off", "Shows each echo of the waterfall as the median of its neighbourhood."
                     => Settings("despeckling", |settings| toggle(&mut settings.picture.despeckle));
+                FlipAlong, "Flip the waterfall along the track", "Draws later pings to the left, or above."
+                    => Settings("direction of the waterfall", |settings| toggle(&mut settings.picture.flip));
+                StarboardFirst, "Draw starboard first", "Draws starboard in the place of port, for the picture alone; the data stay as they are."
+                    => Settings("side that comes first", |settings| toggle(&mut settings.picture.starboard_first));
+            }
+            /// Picture of the waterfall.
+            WaterfallPicture {
                 GroundRange, "Slant or ground range", key("G"), acts_in(KeyScope::Waterfall), "Shows the waterfall by slant range, or by distance on level ground."
                     => Toggle("Ground range", |options| &mut options.waterfall.ground_range);
                 WaterColumn, "Water column on or off", key("Shift+G"), acts_in(KeyScope::Waterfall), "Shows or hides echoes before the first return; by distance on the ground there are none."
@@ -214,10 +237,6 @@ macro_rules! action_rows {
                     => Window(WindowAction::OneToOne);
                 NextChannel, "Next channel of the waterfall", key("I"), acts_in(KeyScope::Waterfall), "Shows side-scan, then each down-looking channel of the log, beside the side-scan and alone."
                     => State(|app| app.view.options.waterfall.next_channel(app.logs.shown.survey.as_deref()));
-                FlipAlong, "Flip the waterfall along the track", "Draws later pings to the left, or above."
-                    => Settings("direction of the waterfall", |settings| toggle(&mut settings.picture.flip));
-                StarboardFirst, "Draw starboard first", "Draws starboard in the place of port, for the picture alone; the data stay as they are."
-                    => Settings("side that comes first", |settings| toggle(&mut settings.picture.starboard_first));
                 RangeLines, "Range lines on or off", "Shows or hides the range lines of the waterfall."
                     => Toggle("Range lines", |options| &mut options.waterfall.range_lines);
                 FirstReturnLine, "First return on or off", key("B"), acts_in(KeyScope::Waterfall), "Shows or hides the first return in the waterfall."
@@ -252,7 +271,7 @@ macro_rules! action_rows {
             }
             /// Colours of port and starboard.
             Colours {
-                SideColours, "Side colours: paper or maritime", "Draws starboard red and port blue (as the paper), or port red and starboard green."
+                SideColours, "Side colours: at sea or in the paper", "Draws port red and starboard green as at sea, or port blue and starboard red as in the paper."
                     => Options(|options| exchange(&mut options.side_colours, [SideColours::Paper, SideColours::Maritime]));
             }
             /// Formats of positions.
@@ -297,22 +316,26 @@ macro_rules! action_rows {
                 ForgetMounting, "Remove the default mounting", "Removes the default; open logs keep their mounting."
                     => State(App::forget_mounting), when(|app| app.usual_mounting().is_some());
             }
-            /// Steps of the processing, and their settings.
+            /// Results of the processing.
             Processing {
+                Update, "Update results", key("Ctrl+R"), "Runs the steps whose results are missing or out of date."
+                    => State(|app| { app.findings.reference_comparison.resume(); app.process(); });
+                Cancel, "Cancel processing", "Stops the step that is running; the last result stays."
+                    => State(|app| _ = app.cancel());
+            }
+            /// Settings that belong together.
+            Presets {
                 PresetRecommended, "Preset: recommended", "Takes the settings that measure best on surveys of known truth."
                     => State(|app| app.use_preset(Preset::Recommended));
                 PresetPublished, "Preset: published", "Takes the paper's settings to the digit."
                     => State(|app| app.use_preset(Preset::Published));
+            }
+            /// First return of the bottom.
+            Bottom {
                 ThresholdDown, "Lower the threshold", key("["), acts_in(KeyScope::Waterfall), repeats(), "Lowers the threshold by 0.01."
                     => Settings("threshold", |settings| nudge_threshold(settings, -0.01));
                 ThresholdUp, "Raise the threshold", key("]"), acts_in(KeyScope::Waterfall), repeats(), "Raises the threshold by 0.01."
                     => Settings("threshold", |settings| nudge_threshold(settings, 0.01));
-                Exclude, "Exclude stretches", key("K"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or a track to exclude pings from all products. Ctrl: always include. Shift: trust the soundings, too. Alt: reset. A click includes a stretch again."
-                    => State(|app| app.take_tool(Tool::Exclude));
-                IncludeAgain, "Include the stretch again", key("Shift+K"), acts_in(KeyScope::WaterfallAndMap), "Includes the excluded stretch at the selected ping again."
-                    => State(App::include_again);
-                TrustSoundings, "Trust the soundings", "Counts the soundings around the selected ping that were taken for those of a lost bottom or for a fault of the sounder."
-                    => State(App::trust_soundings);
                 DrawBottom, "Draw the bottom", key("M"), acts_in(KeyScope::Waterfall), "Drag in the waterfall to draw the first return. Ctrl: mark as missing. Alt: restore the automatic pick. Up and Down move it at the selected ping."
                     => State(|app| app.take_tool(Tool::Bottom));
                 BottomBothSides, "Draw the bottom on both sides", "Draws the bottom on both sides at the same ranges."
@@ -321,30 +344,39 @@ macro_rules! action_rows {
                     => State(|app| app.take_tool(Tool::Accept));
                 ForgetBottom, "Remove the bottom edits", "Removes all bottom edits of this log; the first returns are the automatic ones again."
                     => Settings("bottom", |settings| settings.bottom = Default::default()), when(|app| !app.logs.shown.settings.bottom.is_empty());
+            }
+            /// Scale of the slant ranges.
+            Scale {
                 Calibrate, "Calibrate on a stretch", key("C"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or the track, or click a numbered stretch, to propose a stretch for the scale; nothing changes yet."
                     => State(App::take_calibration_tool);
                 UseScale, "Use this scale", "Scales the slant ranges of this log by the proposed stretch; its depths change."
                     => State(App::use_scale), when(|app| app.logs.shown.proposed_stretch().is_some());
+                UseFlatterStretch, "Use the flatter stretch", "Scales the slant ranges by the flatter stretch that was found while the log is followed."
+                    => State(App::use_offered_stretch), when(|app| app.logs.all().any(|log| log.calibrating.offered.is_some()));
                 KeepRecordedRange, "Keep the recorded range", "Uses the range that the recorder wrote, and drops the proposed stretch."
                     => State(App::keep_recorded_range), when(|app| app.logs.shown.can_keep_recorded_range());
                 DropProposal, "Drop the proposed stretch", "Drops the proposed stretch; the scale stays as it is."
                     => State(|app| app.logs.shown.calibrating.drop_proposal()), when(|app| app.logs.shown.proposed_stretch().is_some());
+            }
+            /// Stretches and soundings that do not count.
+            Exclusions {
+                Exclude, "Exclude stretches", key("K"), acts_in(KeyScope::WaterfallAndMap), "Drag along the waterfall or a track to exclude pings from all products. Ctrl: always include. Shift: trust the soundings, too. Alt: reset. A click includes a stretch again."
+                    => State(|app| app.take_tool(Tool::Exclude));
+                IncludeAgain, "Include the stretch again", key("Shift+K"), acts_in(KeyScope::WaterfallAndMap), "Includes the excluded stretch at the selected ping again."
+                    => State(App::include_again);
+                TrustSoundings, "Trust the soundings", "Counts the soundings around the selected ping that were taken for those of a lost bottom or for a fault of the sounder."
+                    => State(App::trust_soundings);
                 LeaveOutContradicted, "Leave out contradicted soundings", "Excludes the soundings that other logs show to be false."
                     => State(App::leave_out_contradicted), when(|app| app.height_offsets().is_some_and(FoundHeights::is_contradicted));
+            }
+            /// Heights and positions of logs that cross.
+            SeveralLogs {
                 ApplyHeights, "Apply heights", "Levels the logs: adds the height offsets that crossings show to their elevations (height_offset_m)."
                     => State(App::apply_heights), when(|app| app.height_offsets().is_some());
                 ComparePositions, "Compare positions", "Finds from crossings over slopes how far the positions of each log are off, and how late they are."
                     => State(App::match_positions);
                 ApplyPositions, "Apply positions", "Applies shifts (position_shift) and latencies (mounting.latency_s) that exceed twice their standard error."
                     => State(App::apply_positions), when(|app| app.findings.positions.as_ref().is_some_and(FoundPositions::tells));
-                OutlierPreview, "Outlier preview", key("O"), acts_in(KeyScope::Cloud), "Shows the points that the depth map does not use: outliers, above-bottom returns and others."
-                    => Toggle("Outliers", |options| &mut options.cloud.outlier_preview);
-                Update, "Update results", key("Ctrl+R"), "Runs the steps whose results are missing or out of date."
-                    => State(|app| { app.findings.reference_comparison.resume(); app.process(); });
-                Cancel, "Cancel processing", "Stops the step that is running; the last result stays."
-                    => State(|app| _ = app.cancel());
-                UseFlatterStretch, "Use the flatter stretch", "Scales the slant ranges by the flatter stretch that was found while the log is followed."
-                    => State(App::use_offered_stretch), when(|app| app.logs.all().any(|log| log.calibrating.offered.is_some()));
             }
             /// Measurements on the map and in the waterfall.
             Measuring {
@@ -392,7 +424,7 @@ macro_rules! action_rows {
             /// Comparison with a reference.
             Comparing {
                 CompareWith, "Compare with…", "Compares the points with a reference: points from a file, a GeoTIFF, or another log of the same water."
-                    => Window(WindowAction::OpenReference);
+                    => Window(WindowAction::OpenReference), when(|app| app.logs.shown.products.is_some());
                 CloseReference, "Close the reference", "Compares side-scan with the soundings of the survey again."
                     => State(App::leave_reference), when(|app| app.map.comparing.reference.is_some());
             }
@@ -419,77 +451,86 @@ macro_rules! action_rows {
                 PlaySlower, "Play slower", key("Ctrl+Down"), "Plays more slowly, down to the speed of the boat."
                     => Window(WindowAction::PlaySlower);
             }
-            /// The detector, which makes boxes.
+            /// Search for objects.
             Detector {
                 FindObjects, "Find objects", "Searches the side-scan of all visible logs with the detector; decisions about boxes stay."
-                    => State(App::detect);
+                    => State(App::detect), when(|app| app.logs.shown.products.is_some());
+            }
+            /// Models of the detector.
+            Models {
                 ChooseModel, "Choose a model…", "Uses a detector of your own: YOLO in the ONNX format."
                     => Window(WindowAction::OpenModel);
                 ShippedModel, "Use the shipped model", "Uses the detector that comes with the program."
                     => State(|app| app.findings.search.use_model(None));
             }
-            /// Boxes and their review.
+            /// Boxes of the detector and of the analyst.
             Boxes {
                 Boxes, "Boxes on or off", key("Shift+B"), acts_in(KeyScope::Views), "Shows or hides all boxes in the waterfall, on the map and in 3D."
-                    => State(App::toggle_boxes);
+                    => State(App::toggle_boxes), when(|app| app.logs.has_boxes());
                 NextBox, "Next box", key("Tab"), acts_in(KeyScope::Boxes), repeats(), "Selects the next box of the queue; after the last box of a log, the first of the next log."
-                    => State(|app| app.step_box(1));
+                    => State(|app| app.step_box(1)), when(|app| app.logs.has_boxes());
                 PreviousBox, "Previous box", key("Shift+Tab"), acts_in(KeyScope::Boxes), repeats(), "Selects the previous box of the queue."
-                    => State(|app| app.step_box(-1));
-                AcceptBox, "Accept box", key("A"), acts_in(KeyScope::Boxes), about_box(), "Marks the box as an object, and selects the next undecided box."
-                    => State(|app| app.decide(Edit::Accept));
-                RejectBox, "Reject box", key("R"), acts_in(KeyScope::Boxes), about_box(), "Marks the box as no object, and selects the next undecided box."
-                    => State(|app| app.decide(Edit::Reject));
-                UndecideBox, "Mark as undecided", key("U"), acts_in(KeyScope::Boxes), about_box(), "Removes the decision about the selected box."
-                    => State(|app| app.edit_selected(Edit::Undecide));
-                AcceptObject, "Accept object", key("Shift+A"), acts_in(KeyScope::Boxes), about_box(), "Accepts all boxes that show this object, in all logs, and selects the next undecided box."
-                    => State(|app| app.decide_object(Edit::Accept, "accept object"));
-                RejectObject, "Reject object", key("Shift+R"), acts_in(KeyScope::Boxes), about_box(), "Rejects all boxes that show this object, in all logs, and selects the next undecided box."
-                    => State(|app| app.decide_object(Edit::Reject, "reject object"));
-                UndecideObject, "Mark object as undecided", key("Shift+U"), acts_in(KeyScope::Boxes), about_box(), "Removes the decisions about all boxes that show this object, in all logs."
-                    => State(|app| _ = app.edit_object(Edit::Undecide, "mark object as undecided"));
-                NextSighting, "Next sighting", key("J"), acts_in(KeyScope::Boxes), repeats(), "Shows the next box of the same object, in any log."
-                    => State(App::step_sighting);
-                FlyToBox, "Fly to the box", key("Shift+F"), acts_in(KeyScope::Boxes), "Zooms to the selected box in the waterfall, on the map and in 3D."
-                    => State(App::fly_to_selected);
-                ZoomToBoxes, "Zoom to boxes on or off", key("Shift+Z"), acts_in(KeyScope::Boxes), "Shows each next box of the queue at one sample per screen point, or at the scale that the waterfall has."
-                    => State(App::toggle_zoom_to_boxes);
-                NameBox, "Name the box", key("F2"), "Moves the keyboard to the name of the selected box; Enter keeps the name, Tab goes to class and remarks."
-                    => Window(WindowAction::NameBox);
-                EditBox, "Edit box", key("E"), acts_in(KeyScope::BoxesInWaterfall), "Drag or arrow keys move the selected box, Ctrl with arrows its right and lower edges; a drag at an edge moves that edge."
-                    => State(|app| app.take_tool(Tool::Edit));
-                NextEdge, "Next edge of the box", key("Shift+E"), acts_in(KeyScope::BoxesInWaterfall), "Chooses what the arrow keys move: near edge, border of echo and shadow, end of the shadow, first ping, last ping, or the box."
-                    => State(App::next_edge);
-                FindEdges, "Find the edges of the box", "Removes the edges that were set by hand, and finds echo and shadow in the box again."
-                    => State(|app| app.edit_selected(Edit::FindEdges));
+                    => State(|app| app.step_box(-1)), when(|app| app.logs.has_boxes());
                 NewBox, "New box", key("N"), acts_in(KeyScope::Waterfall), "The next drag in the waterfall draws a box."
-                    => State(|app| app.take_tool(Tool::Draw));
+                    => State(|app| app.take_tool(Tool::Draw)), when(|app| app.logs.shown.survey.is_some());
                 MarkTarget, "Mark target", key("T"), acts_in(KeyScope::Waterfall), "Marks a point without size: the next click in the waterfall, or T again at the pointer, the cross or the selected place."
-                    => State(App::point_tool);
+                    => State(App::point_tool), when(|app| app.logs.shown.survey.is_some());
+            }
+            /// Decisions about boxes and objects.
+            Decisions {
+                AcceptBox, "Accept box", key("A"), acts_in(KeyScope::Boxes), about_box(), "Marks the box as an object, and selects the next undecided box."
+                    => State(|app| app.decide(Edit::Accept)), when(|app| app.logs.has_boxes());
+                RejectBox, "Reject box", key("R"), acts_in(KeyScope::Boxes), about_box(), "Marks the box as no object, and selects the next undecided box."
+                    => State(|app| app.decide(Edit::Reject)), when(|app| app.logs.has_boxes());
+                UndecideBox, "Mark as undecided", key("U"), acts_in(KeyScope::Boxes), about_box(), "Removes the decision about the selected box."
+                    => State(|app| app.edit_selected(Edit::Undecide)), when(|app| app.logs.has_boxes());
+                AcceptObject, "Accept object", key("Shift+A"), acts_in(KeyScope::Boxes), about_box(), "Accepts all boxes that show this object, in all logs, and selects the next undecided box."
+                    => State(|app| app.decide_object(Edit::Accept, "accept object")), when(|app| app.logs.has_boxes());
+                RejectObject, "Reject object", key("Shift+R"), acts_in(KeyScope::Boxes), about_box(), "Rejects all boxes that show this object, in all logs, and selects the next undecided box."
+                    => State(|app| app.decide_object(Edit::Reject, "reject object")), when(|app| app.logs.has_boxes());
+                UndecideObject, "Mark object as undecided", key("Shift+U"), acts_in(KeyScope::Boxes), about_box(), "Removes the decisions about all boxes that show this object, in all logs."
+                    => State(|app| _ = app.edit_object(Edit::Undecide, "mark object as undecided")), when(|app| app.logs.has_boxes());
+            }
+            /// The selected box.
+            SelectedBox {
+                NextSighting, "Next sighting", key("J"), acts_in(KeyScope::Boxes), repeats(), "Shows the next box of the same object, in any log."
+                    => State(App::step_sighting), when(|app| app.logs.has_boxes());
+                FlyToBox, "Fly to the box", key("Shift+F"), acts_in(KeyScope::Boxes), "Zooms to the selected box in the waterfall, on the map and in 3D."
+                    => State(App::fly_to_selected), when(|app| app.logs.has_boxes());
+                ZoomToBoxes, "Zoom to boxes on or off", key("Shift+Z"), acts_in(KeyScope::Boxes), "Shows each next box of the queue at one sample per screen point, or at the scale that the waterfall has."
+                    => State(App::toggle_zoom_to_boxes), when(|app| app.logs.has_boxes());
+                NameBox, "Name the box", key("F2"), "Moves the keyboard to the name of the selected box; Enter keeps the name, Tab goes to class and remarks."
+                    => Window(WindowAction::NameBox), when(|app| app.logs.has_boxes());
+                EditBox, "Edit box", key("E"), acts_in(KeyScope::BoxesInWaterfall), "Drag or arrow keys move the selected box, Ctrl with arrows its right and lower edges; a drag at an edge moves that edge."
+                    => State(|app| app.take_tool(Tool::Edit)), when(|app| app.logs.has_boxes());
+                NextEdge, "Next edge of the box", key("Shift+E"), acts_in(KeyScope::BoxesInWaterfall), "Chooses what the arrow keys move: near edge, border of echo and shadow, end of the shadow, first ping, last ping, or the box."
+                    => State(App::next_edge), when(|app| app.logs.has_boxes());
+                FindEdges, "Find the edges of the box", "Removes the edges that were set by hand, and finds echo and shadow in the box again."
+                    => State(|app| app.edit_selected(Edit::FindEdges)), when(|app| app.logs.has_boxes());
                 SwapSide, "Swap the side of the box", key("S"), acts_in(KeyScope::BoxesInWaterfall), about_box(), "Moves the selected box from port to starboard, or from starboard to port."
-                    => State(|app| app.edit_selected(Edit::SwapSide));
+                    => State(|app| app.edit_selected(Edit::SwapSide)), when(|app| app.logs.has_boxes());
                 RemoveBox, "Remove box", key("Delete"), acts_in(KeyScope::Boxes), about_box(), "Removes a box that was drawn; rejects a box that a detector proposed."
-                    => State(App::remove_box);
+                    => State(App::remove_box), when(|app| app.logs.has_boxes());
             }
             /// Files of a review.
             ReviewFiles {
                 OpenReview, "Open review…", "Opens decisions about the boxes of this log."
-                    => Window(WindowAction::OpenReview);
+                    => Window(WindowAction::OpenReview), when(|app| app.logs.shown.survey.is_some());
                 SaveReview, "Save review", "Saves the decisions about boxes in a sidecar file of each log."
-                    => Window(WindowAction::SaveReview);
+                    => Window(WindowAction::SaveReview), when(|app| app.logs.has_boxes());
                 ExportBoxes, "Export boxes…", "Writes reviewed boxes for training, and the positions of the objects, into a folder."
-                    => Window(WindowAction::ExportBoxes);
+                    => Window(WindowAction::ExportBoxes), when(|app| app.logs.has_boxes());
             }
             /// Comparison of boxes with known objects.
             Truth {
                 OpenTruth, "Open known objects…", "Opens the objects that are known to lie in this log, to compare boxes with them: a table of objects or a review."
-                    => Window(WindowAction::OpenTruth);
+                    => Window(WindowAction::OpenTruth), when(|app| app.logs.shown.survey.is_some());
                 ForgetTruth, "Close the known objects", "Stops the comparison of boxes with the known objects."
                     => State(App::forget_truth), when(|app| app.logs.shown.reviewing.judging.source().is_some());
                 NextMistake, "Next mistake", key("."), acts_in(KeyScope::Boxes), repeats(), "Shows the next false alarm or missed object; known objects must be open."
-                    => State(|app| app.step_mistake(1));
+                    => State(|app| app.step_mistake(1)), when(|app| app.logs.shown.reviewing.judging.source().is_some());
                 PreviousMistake, "Previous mistake", key(","), acts_in(KeyScope::Boxes), repeats(), "Shows the previous false alarm or missed object."
-                    => State(|app| app.step_mistake(-1));
+                    => State(|app| app.step_mistake(-1)), when(|app| app.logs.shown.reviewing.judging.source().is_some());
             }
         }
     };
