@@ -406,7 +406,7 @@ impl App {
             self.reopen_base_map(path);
         }
         for text in project_notes.into_iter().chain(notes) {
-            self.notices.notify(text);
+            self.notices.warn(text);
         }
         self.schedule();
     }

@@ -364,7 +364,7 @@ impl App {
                 .offer(format!("{name} opened with the last decisions about it"), Action::Undo);
         }
         for note in notes {
-            self.notices.notify(note);
+            self.notices.warn(note);
         }
     }
 }

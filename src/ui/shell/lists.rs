@@ -1,15 +1,15 @@
 //! Draws the list of changes, with the present step, where a click goes back or forward to a step;
-//! the list of all notices since the program was started: time, text, and offered action; and new
-//! notices until they are dismissed or, if they report no fault and offer no action, have been
-//! visible for a while. These cover the upper right corner of the views, where a view has no
-//! buttons, instead of a separate line: a line that appears and disappears would move the button
-//! that is being clicked.
+//! the list of all notices since the program was started: time, text, and offered action; and the
+//! newest notice, with those that wait for the analyst: a notice that reports no fault and offers
+//! no action disappears after a while. They cover the lower edge of the views, where they have no buttons, instead
+//! of a separate line: a line that appears and disappears would move the button that is being
+//! clicked.
 
 use crate::app::{Action, Command, Notice, ThemeChoice};
 use crate::ui::controls::ListKeys;
 use crate::ui::panels::parts;
 use crate::ui::{ViewContext, theme};
-use bathyscope_bottom::presentation::text;
+use bathyscope_bottom::presentation::text::{clock, plural};
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align, Align2, Area, Button, FontSelection, Frame, Id, Label, Layout, Rect, Response, RichText,
@@ -139,7 +139,7 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {
     ui.horizontal_top(|ui| {
         severity(ui, context.theme(), notice.is_error);
         let unix_s = notice.at.duration_since(UNIX_EPOCH).unwrap_or_default();
-        let clock = text::clock(Some(0.0), unix_s.as_secs_f64());
+        let clock = clock(Some(0.0), unix_s.as_secs_f64());
         ui.label(RichText::new(clock).monospace().weak());
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             if let Some(action) = notice.offer {
@@ -154,20 +154,22 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, notice: &Notice) {
 }
 
 /// Greatest number of notices that are drawn at once.
-const SHOWN: usize = 4;
+const SHOWN: usize = 3;
 /// Greatest number of lines of a notice; a longer one is shown completely under the pointer.
 const LINES: usize = 4;
 /// Greatest width of a notice, points.
 const WIDEST: f32 = 460.0;
-/// Time after which a notice about a completed action disappears.
-const PATIENCE: Duration = Duration::from_secs(15);
+/// Time after which a notice about a completed action disappears, and one that offers undo.
+const PATIENCE: Duration = Duration::from_secs(10);
+const UNDO_PATIENCE: Duration = Duration::from_secs(5);
 /// Least time between frames that are drawn only because a notice disappears.
 const REST: Duration = Duration::from_secs(1);
-/// Space above the notices for the titles of the views, points.
-const TITLES: f32 = 30.0;
+/// Distance between the notice and the lower edge of the views, points: the labels of a waterfall
+/// are there.
+const ABOVE_EDGE: f32 = 30.0;
 
-/// Draws the notices over the upper right corner of the views, which cover `views`. Draws nothing
-/// if there are no notices.
+/// Draws the notices over the lower edge of the views, which cover `views`. Draws nothing if
+/// there are no notices.
 pub(super) fn show_notices(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
     if app.notices.shown().is_empty() {
@@ -175,19 +177,17 @@ pub(super) fn show_notices(ctx: &egui::Context, context: &mut ViewContext<'_>, v
     }
     let room = (views.width() - 16.0).clamp(160.0, WIDEST);
     let area = Area::new(Id::unique("notices"))
-        .pivot(Align2::RIGHT_TOP)
-        .fixed_pos(views.right_top() + vec2(-8.0, TITLES));
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(views.center_bottom() - vec2(0.0, ABOVE_EDGE));
     let shown = area.show(ctx, |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             ui.set_width(room);
-            let hidden = app.notices.shown().len().saturating_sub(SHOWN);
-            for (index, notice) in app.notices.shown().iter().enumerate().skip(hidden) {
-                shown_notice(ui, context, index, notice);
+            let notices = app.notices.shown();
+            let drawn = drawn(notices);
+            for &index in &drawn {
+                shown_notice(ui, context, index, &notices[index]);
             }
-            if hidden > 0 {
-                let older = format!("{hidden} older notices");
-                ui.label(RichText::new(older).weak().small());
-            }
+            older_notices(ui, context, notices.len() - drawn.len());
         });
     });
     // A notice under the pointer stays, because the analyst may be reading it.
@@ -196,19 +196,34 @@ pub(super) fn show_notices(ctx: &egui::Context, context: &mut ViewContext<'_>, v
     }
 }
 
+/// Returns the indices of the notices that are drawn, in order: the newest, and of those before it
+/// the last few that wait for the analyst.
+fn drawn(notices: &[Notice]) -> Vec<usize> {
+    let newest = notices.len().saturating_sub(1);
+    let is_drawn = |index: &usize| *index == newest || waits(&notices[*index]);
+    let mut drawn: Vec<usize> = (0..notices.len()).rev().filter(is_drawn).take(SHOWN).collect();
+    drawn.reverse();
+    drawn
+}
+
+/// Returns true if a notice reports a fault or offers an action, and stays until it is dismissed.
+/// An offered undo does not keep a notice: the Edit menu and Ctrl+Z still undo the change.
+fn waits(notice: &Notice) -> bool {
+    notice.is_error || notice.offer.is_some_and(|offer| offer != Action::Undo)
+}
+
 /// Dismisses notices about completed actions that have been visible for a while.
 fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let mut next = None;
     // The order from the last to the first keeps the smaller indices valid.
     for (index, notice) in context.app.notices.shown().iter().enumerate().rev() {
-        // An offered undo does not keep a notice: the Edit menu and Ctrl+Z still undo the change.
-        let waits = notice.offer.is_some_and(|offer| offer != Action::Undo);
-        if notice.is_error || waits {
+        if waits(notice) {
             continue;
         }
         // After the clock was set back, the notice stays until the clock has caught up.
         let age = notice.at.elapsed().unwrap_or_default();
-        match PATIENCE.checked_sub(age).filter(|left| !left.is_zero()) {
+        let patience = if notice.offer.is_some() { UNDO_PATIENCE } else { PATIENCE };
+        match patience.checked_sub(age).filter(|left| !left.is_zero()) {
             None => context.commands.push(Command::Dismiss(index)),
             Some(left) => next = Some(next.map_or(left, |next: Duration| next.min(left))),
         }
@@ -218,6 +233,23 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
         // again without need.
         ctx.request_repaint_after(next.max(REST));
     }
+}
+
+/// Draws the number of notices that are not drawn, which opens the list, and a button that
+/// removes all from the screen; draws nothing without such notices.
+fn older_notices(ui: &mut Ui, context: &mut ViewContext<'_>, older: usize) {
+    if older == 0 {
+        return;
+    }
+    ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+        if ui.small_button("Dismiss all").clicked() {
+            // The order from the last to the first keeps the smaller indices valid.
+            let all = 0..context.app.notices.shown().len();
+            context.commands.extend(all.rev().map(Command::Dismiss));
+        }
+        let label = ui.small_button(plural(older, "older notice", "older notices"));
+        context.button(label, Action::Notices);
+    });
 }
 
 fn shown_notice(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notice) {
@@ -260,7 +292,7 @@ fn words(ui: &Ui, text: &str) -> LayoutJob {
 fn severity(ui: &mut Ui, look: ThemeChoice, is_error: bool) {
     let (rect, response) = ui.allocate_exact_size(vec2(16.0, 16.0), egui::Sense::hover());
     let (colour, sign, name) = if is_error {
-        (theme::error_colour(look), "!", "could not be done")
+        (theme::error_colour(look), "!", "needs attention")
     } else {
         (theme::accent_colour(look), "i", "was done")
     };
