@@ -36,7 +36,7 @@ fn the_newest_log_of_a_card_is_offered_and_opens_with_a_click() {
     for _ in 0..3 {
         window.step();
     }
-    let step = window.query_by_label_contains("1. Open the log that your recorder wrote");
+    let step = window.query_by_label_contains("Open the log that your recorder wrote");
     assert!(step.is_some(), "what to do first is said");
     assert!(window.query_by_label("All 2 logs").is_some());
     assert!(window.query_by_label_contains("WAYPOINTS").is_none());

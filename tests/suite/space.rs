@@ -2,9 +2,7 @@
 //! real river.
 
 use crate::support;
-use bathyscope::app::{
-    Action, App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View, WorkStep,
-};
+use bathyscope::app::{App, CloudColour, Command, Jobs, LogPlace, ThemeChoice, View, WorkStep};
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use bathyscope_bottom::bathymetry::{SurfaceSettings, depth_points, surface};
@@ -410,17 +408,6 @@ fn outliers_are_shown_only_on_request() {
     room.app.view.options.cloud.outlier_preview = true;
     let with = amber(room);
     assert!(with > without + 31, "{without} {with}");
-}
-
-#[test]
-fn empty_views_offer_the_demo() {
-    for shows_cloud in [false, true] {
-        let mut window = open(Room::new(false, shows_cloud));
-        window.get_by_label(Action::OpenDemo.label()).click();
-        window.step();
-        let expected = Command::Do(Action::OpenDemo);
-        assert!(window.state().pushed.contains(&expected));
-    }
 }
 
 #[test]

@@ -46,7 +46,7 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
         return;
     };
     let hint = "Method that gives the depths between measured ones.";
-    fact(ui, "Interpolation", hint, map.surface.method.in_words());
+    fact(ui, "Method", hint, map.surface.method.in_words());
     let hint = "Whether depths between the lines are interpolated, follow the slopes on the lines, or come from echo levels where these predict withheld soundings.";
     let units = context.units();
     fact(ui, "Between lines", hint, between_lines(&map.surface));

@@ -105,7 +105,6 @@ fn heading(
     let font = egui::FontId::proportional(12.0);
     painter.text(at(left + 14.0), beside, title, font, strong);
     let mark = match freshness {
-        _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
         Freshness::Fresh => None,
         Freshness::OutOfDate => Some(("out of date".to_owned(), theme::stale_colour(look))),
         Freshness::Waiting => Some(("updating".to_owned(), theme::accent_colour(look))),

@@ -16,10 +16,6 @@ const PATIENCE_S: f64 = 0.4;
 const JOB_ROOM: f32 = 330.0;
 const REST_ROOM: f32 = 150.0;
 
-/// Width for the place under the pointer that the right end leaves free before it shows frame rate
-/// and colours, points.
-const PLACE_ROOM: f32 = 560.0;
-
 /// Draws the line: first the right end, then the place under the pointer in the remaining space.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let right_to_left = Layout::right_to_left(Align::Center);
@@ -33,8 +29,8 @@ pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         notices(ui, context);
         jobs(ui, context);
         following(ui, context);
-        if ui.available_width() > PLACE_ROOM {
-            rest(ui, context);
+        if context.app.logs.shown.survey.is_none() {
+            return;
         }
         let room = ui.available_width().min(width - reserved);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
@@ -99,21 +95,6 @@ fn following(ui: &mut Ui, context: &ViewContext<'_>) {
     label.on_hover_text(
         "New pings are shown with the calibration of the last run over the whole log; that run is repeated as the log grows, and at the end.",
     );
-}
-
-fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
-    // The rate is that of the last two consecutive frames; an idle window draws none.
-    let rate = egui::Id::unique("frame rate");
-    let frame_s = ui.input(|input| input.stable_dt);
-    if frame_s < 0.1 {
-        ui.data_mut(|data| data.insert_temp(rate, 1.0 / frame_s.max(1e-3)));
-    }
-    if let Some(fps) = ui.data(|data| data.get_temp::<f32>(rate)) {
-        let shown = RichText::new(format!("{fps:.0} fps")).weak().small();
-        ui.label(shown).on_hover_text("Frames a second when they last followed each other.");
-    }
-    let map = context.options().waterfall.colour_map.name();
-    ui.label(RichText::new(map).weak().small());
 }
 
 fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -20,6 +20,7 @@ type Contents = fn(&mut Ui, &mut ViewContext<'_>);
 static SECTIONS: &[(WorkStep, Section, Contents)] = &[
     (WorkStep::Logs, Section::new("Survey"), survey::ui),
     (WorkStep::Logs, Section::new("Logs"), logs::ui),
+    (WorkStep::Logs, Section::new("Preset").folded(), survey::preset),
     (WorkStep::Bottom, Section::new(first_return::TITLE).of(Stage::FirstReturn), first_return::ui),
     (WorkStep::Correct, Section::new(calibration::TITLE).of(Stage::Calibration), calibration::ui),
     (WorkStep::Correct, Section::new("Depth correction").of(Stage::Cloud), corrections::depths),
@@ -57,11 +58,8 @@ pub(crate) fn first_section(step: WorkStep) -> &'static str {
     first.map_or_else(Default::default, |(_, section, _)| section.title)
 }
 
-/// Draws the sections of the step that is open; without a survey, the offers to open one.
+/// Draws the sections of the step that is open.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    if context.app.logs.shown.survey.is_none() {
-        return section(ui, context, &SECTIONS[0].1, survey::ui);
-    }
     if calibration::has_new_proposal(ui, context) {
         // The keyboard stays where it is: the next key may change the proposal.
         let mut options = context.options().clone();

@@ -1,31 +1,26 @@
-//! Draws the survey: the contents of the log, its warnings, and the preset in force; or offers logs
-//! to open while none is.
+//! Draws the survey: the contents of the log and its warnings; and the presets.
 
 use super::parts::{fact, remark, warning};
-use crate::app::{Action, CARDS_LISTED_EVERY, Command};
+use crate::app::Command;
 use crate::ui::{ViewContext, controls, text};
 use bathyscope_bottom::presentation::units::Units;
-use bathyscope_log::formats::{FoundLog, LogFolder, formats_to_open};
 use bathyscope_log::support::calendar;
 use bathyscope_log::support::printable::one_line;
 use bathyscope_log::survey::{SideScanState, Survey};
 use bathyscope_products::pipeline::Preset;
-use egui::{Button, Label, Ui, vec2};
-use std::path::Path;
-use std::time::SystemTime;
+use egui::Ui;
 
 /// Greatest number of warnings that are shown at once; a damaged log can have thousands.
 const WARNINGS_SHOWN: usize = 40;
 
 /// Draws the section.
 pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    match context.app.logs.shown.survey.clone() {
-        Some(survey) => {
-            summary(ui, context, &survey);
-            warnings(ui, context, &survey);
-            preset_line(ui, context);
+    if let Some(survey) = context.app.logs.shown.survey.clone() {
+        summary(ui, context, &survey);
+        warnings(ui, context, &survey);
+        if context.app.logs.shown.settings.matching_preset() == Some(Preset::Published) {
+            warning(ui, context, "The settings are those of the paper, whose depths are biased.");
         }
-        None => nothing_open(ui, context),
     }
 }
 
@@ -153,106 +148,35 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     });
 }
 
-fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
+/// Draws a chip for each preset, and the name of the preset in force.
+pub(super) fn preset(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let in_force = context.app.logs.shown.settings.matching_preset();
-    ui.add_space(2.0);
     ui.horizontal_wrapped(|ui| {
-        ui.add(egui::Label::new("Preset").selectable(false));
-        for (preset, label, hint) in [
+        for (preset, name, label, hint) in [
             (
                 Preset::Recommended,
+                "recommended",
                 "recommended",
                 "The settings with the smallest depth errors on simulated surveys.",
             ),
             (
                 Preset::Published,
                 "published",
+                "as published (biased)",
                 "The formulas of the paper (Pulido et al.), to reproduce its figures.",
             ),
         ] {
             let chip = controls::chip(ui, in_force == Some(preset), label);
-            let chip = chip.accessible_name(format!("Preset {label}"));
+            let chip = chip.accessible_name(format!("Preset {name}"));
             if chip.on_hover_text(hint).clicked() {
                 context.push(Command::UsePreset(preset));
             }
         }
-        if in_force.is_none() {
-            let colour = crate::ui::theme::stale_colour(context.theme());
-            ui.colored_label(colour, "changed").on_hover_text(
-                "Some settings differ from the preset; a click on a preset restores all of its settings.",
-            );
-        }
     });
-}
-
-/// Greatest number of offered folders on cards, of logs of each folder, and of logs opened before;
-/// the dialog lists all.
-const SHOWN: usize = 3;
-
-/// Draws the offers.
-fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    ui.label("Nothing is open.");
-    remark(ui, format!("Drop a log on the window, or open one: {}.", formats_to_open()));
-    ui.add_space(4.0);
-    for action in [Action::Open, Action::OpenDemo] {
-        let button = Button::new(action.label()).min_size(vec2(180.0, 24.0));
-        context.button(ui.add(button), action);
+    if in_force.is_none() {
+        remark(
+            ui,
+            "Some settings differ from both; a click on a preset restores all of its settings.",
+        );
     }
-    let app = context.app;
-    for folder in app.card_search.folders().into_iter().take(SHOWN) {
-        on_card(ui, context, folder);
-    }
-    if !app.recent.is_empty() {
-        ui.add_space(8.0);
-        ui.label("Opened before");
-    }
-    for path in app.recent.iter().take(SHOWN) {
-        offer(ui, context, name(path), path, || Command::Open(path.clone()));
-    }
-    // No other event redraws the window when a card is inserted.
-    ui.ctx().request_repaint_after(CARDS_LISTED_EVERY);
-}
-
-/// Draws the newest logs of a folder, and a button for all of them.
-fn on_card(ui: &mut Ui, context: &mut ViewContext<'_>, folder: &LogFolder) {
-    ui.add_space(8.0);
-    let words = format!("On {}", folder.on_card.display());
-    ui.add(Label::new(words).truncate()).on_hover_text(folder.path.display().to_string());
-    for log in folder.logs.iter().take(SHOWN) {
-        let words = match written(log) {
-            Some(day) => format!("{}  ·  {day}", name(&log.path)),
-            None => name(&log.path),
-        };
-        offer(ui, context, words, &log.path, || Command::OpenAll(vec![log.path.clone()]));
-    }
-    if folder.logs.len() > 1 {
-        let words = format!("All {}", text::plural(folder.logs.len(), "log", "logs"));
-        let all = || folder.logs.iter().map(|log| log.path.clone()).collect();
-        offer(ui, context, words, &folder.path, || Command::OpenAll(all()));
-    }
-}
-
-fn offer(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    words: String,
-    path: &Path,
-    command: impl FnOnce() -> Command,
-) {
-    let button = Button::new(words).truncate().min_size(vec2(180.0, 24.0));
-    let response = ui.add(button).on_hover_text(path.display().to_string());
-    if response.clicked() {
-        context.push(command());
-    }
-}
-
-fn name(path: &Path) -> String {
-    let name = path.file_name().unwrap_or(path.as_os_str());
-    name.to_string_lossy().into_owned()
-}
-
-/// Returns the day on which a log was last written, by the file system of the drive.
-fn written(log: &FoundLog) -> Option<String> {
-    let since = log.written?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
-    Some(calendar::date(since.as_secs_f64()))
 }

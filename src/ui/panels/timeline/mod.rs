@@ -80,11 +80,6 @@ impl TimeLine {
             egui::WidgetInfo::slider(true, ping as f64, name)
         });
         let Some(Some(strips)) = self.strips.result() else {
-            let empty = "Time line: depth and speed over the log appear here.";
-            let font = egui::FontId::proportional(theme::SMALL);
-            let weak = ui.visuals().weak_text_color();
-            let (at, middle) = (outer.center(), egui::Align2::CENTER_CENTER);
-            ui.painter().text(at, middle, empty, font, weak);
             return;
         };
         let frame = TimelineLayout::new(outer);

@@ -102,8 +102,6 @@ impl CloudView {
         response: &Response,
     ) -> String {
         let Some(survey) = context.app.logs.shown.survey.clone() else {
-            let text = "The 3D point cloud of a survey appears here.";
-            legend::offer_to_open(ui, context, rect, text);
             return "3D point cloud, empty".to_owned();
         };
         let Some(products) = context.app.logs.shown.products.clone() else {

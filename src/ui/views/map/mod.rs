@@ -155,8 +155,6 @@ impl MapView {
         response: &Response,
     ) -> String {
         let Some(survey) = context.app.logs.shown.survey.clone() else {
-            let text = "A survey's track and depth map appear here.";
-            legend::offer_to_open(ui, context, rect, text);
             return "Map, empty".to_owned();
         };
         let Some(products) = context.app.logs.shown.products.clone() else {

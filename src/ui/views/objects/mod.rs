@@ -7,10 +7,9 @@
 
 mod row;
 
-use super::legend;
 use crate::app::{Action, Command, LogBox, Object, ObjectState, ObjectTable, View};
 use crate::ui::controls::{self, DropDown, keep_arrows};
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, text};
 use egui::{
     Button, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, Role, ScrollArea, Sense,
     TextEdit, Ui, WidgetInfo, pos2, vec2,
@@ -49,11 +48,6 @@ impl ObjectsView {
     /// Draws the table, or a text that explains why it is empty.
     pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let rect = ui.available_rect_before_wrap();
-        if context.app.logs.shown.survey.is_none() {
-            ui.painter().rect_filled(rect, 0.0, theme::canvas_colour(context.options()));
-            let text = "The objects of a survey are listed here.";
-            return legend::offer_to_open(ui, context, rect, text);
-        }
         ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
         Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
             if context.app.objects.all().is_empty() {

@@ -170,8 +170,7 @@ impl WaterfallView {
     }
 }
 
-/// Fills a view that has no picture, or not yet: shows the reason, and offers to open a log if none
-/// is open.
+/// Fills a view that has no picture, or not yet: shows the reason.
 fn without_picture(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -181,10 +180,7 @@ fn without_picture(
 ) {
     let survey = context.app.logs.shown.survey.clone();
     let said = match survey {
-        None => {
-            legend::first_steps(ui, context, rect);
-            "open a survey to see its side-scan here".to_owned()
-        }
+        None => "open a survey to see its side-scan here".to_owned(),
         Some(_) if is_reading => {
             legend::say(ui, context, rect, "The side-scan is being read.");
             "reading the survey".to_owned()
