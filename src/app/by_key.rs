@@ -71,7 +71,7 @@ impl App {
             KeyFocus::View(View::Waterfall) => options.waterfall.boxes,
             KeyFocus::View(View::Map) => options.map.layers.is_visible(MapLayer::Boxes),
             KeyFocus::View(View::Cloud) => options.cloud.boxes,
-            KeyFocus::View(View::Objects) | KeyFocus::Review => true,
+            KeyFocus::View(View::Objects | View::Profile) | KeyFocus::Review => true,
         };
         if !is_drawn {
             let show = Action::Boxes.key();

@@ -250,9 +250,7 @@ impl App {
         let lengths = self.view.options.units.length.name();
         Some(match view {
             View::Map => format!("Coordinates: {positions}. Lengths in {lengths}."),
-            View::Waterfall | View::Cloud | View::Objects => {
-                format!("Lengths in {lengths}. Positions: {positions}.")
-            }
+            _ => format!("Lengths in {lengths}. Positions: {positions}."),
         })
     }
 }

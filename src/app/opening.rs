@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Number of remembered logs.
+/// Largest number of remembered logs.
 const RECENT: usize = 10;
 
 /// Bytes of the bundled demo survey.

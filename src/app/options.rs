@@ -26,6 +26,8 @@ bathyscope_log::listed! {
         Cloud,
         /// Table of the objects.
         Objects,
+        /// Echoes of one ping as a curve.
+        Profile,
     }
 }
 
@@ -63,6 +65,7 @@ impl View {
             View::Map => "Map",
             View::Cloud => "3D cloud",
             View::Objects => "Objects",
+            View::Profile => "Profile",
         }
     }
 }
@@ -72,7 +75,7 @@ impl View {
 pub(crate) enum LayoutPreset {
     /// Waterfall above, map and cloud below.
     Survey,
-    /// A large waterfall above, map and cloud below.
+    /// A large waterfall above, profile and map below.
     Review,
     /// A large map, with cloud and waterfall beside it.
     Map,
@@ -106,9 +109,9 @@ pub enum Orientation {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SideColours {
     /// Starboard red, port blue, as in the paper.
-    #[default]
     Paper,
     /// Port red, starboard green, as at sea.
+    #[default]
     Maritime,
 }
 
@@ -488,7 +491,7 @@ impl ViewOptions {
         let is_on = match view {
             View::Waterfall => self.waterfall.flat_stretches,
             View::Map => self.map.flat_spots,
-            View::Cloud | View::Objects => false,
+            View::Cloud | View::Objects | View::Profile => false,
         };
         is_on && self.panels.step == WorkStep::Correct
     }

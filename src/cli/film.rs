@@ -5,8 +5,8 @@ use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, WaterfallLog, parse_size};
 use super::{Failure, check_ending, output};
 use crate::app::{Command, Orientation, View};
+use crate::ui::Shell;
 use crate::ui::offscreen::Studio;
-use crate::ui::{Alone, Shell};
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::avi::{self, AviWriter};
 use bathyscope_products::export::write_atomically;
@@ -58,7 +58,7 @@ pub(super) fn run(args: FilmArgs) -> Result<(), Failure> {
         live: false,
     });
     let mut shell = Shell::new(app);
-    shell.show_alone(Alone::View(View::Waterfall));
+    shell.show_alone(View::Waterfall);
     let studio = Studio::new()?;
     let status = StatusLine::at("film");
     write(&args.output, args.size, args.fps, &frames, &studio, &mut shell, &status.progress)?;

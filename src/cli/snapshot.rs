@@ -8,7 +8,7 @@ use crate::app::{
     ThemeChoice, View, ViewOptions,
 };
 use crate::ui::{
-    Alone, Shell,
+    Shell,
     offscreen::{Studio, write_picture},
 };
 use bathyscope_bottom::calibration::PingRange;
@@ -246,12 +246,12 @@ pub(super) fn draw_into(
     Ok((PICTURES.iter().map(|(name, ..)| *name).collect(), studio.adapter()))
 }
 
-fn alone(picture: Picture) -> Option<Alone> {
+fn alone(picture: Picture) -> Option<View> {
     match picture {
-        Picture::Waterfall => Some(Alone::View(View::Waterfall)),
-        Picture::Map => Some(Alone::View(View::Map)),
-        Picture::Cloud => Some(Alone::View(View::Cloud)),
-        Picture::Profile => Some(Alone::Profile),
+        Picture::Waterfall => Some(View::Waterfall),
+        Picture::Map => Some(View::Map),
+        Picture::Cloud => Some(View::Cloud),
+        Picture::Profile => Some(View::Profile),
         Picture::All => None,
     }
 }

@@ -4,8 +4,8 @@ use super::status_line::StatusLine;
 use super::waterfall_options::{WaterfallArgs, parse_size};
 use super::{Failure, output};
 use crate::app::View;
+use crate::ui::Shell;
 use crate::ui::offscreen::{Studio, write_picture};
-use crate::ui::{Alone, Shell};
 use bathyscope_bottom::calibration::PingRange;
 use bathyscope_log::support::progress::Progress;
 use bathyscope_products::export::make_folder;
@@ -42,7 +42,7 @@ pub(super) fn run(args: SonogramArgs) -> Result<(), Failure> {
     let pages = pages(log.pings, page)?;
     make_folder(&args.output)?;
     let (mut shell, name) = (Shell::new(log.app), log.name);
-    shell.show_alone(Alone::View(View::Waterfall));
+    shell.show_alone(View::Waterfall);
     let studio = Studio::new()?;
     let status = StatusLine::at("sonogram");
     status.progress.start(pages.len() as u64);

@@ -15,7 +15,7 @@ pub(crate) mod theme;
 pub mod views;
 mod window;
 
-pub use shell::{Alone, Shell};
+pub use shell::Shell;
 pub(crate) use window::{open_window, untitled_folder};
 
 use crate::app::{Action, App, Command, LogPlace, ThemeChoice, View, ViewOptions};

@@ -305,7 +305,7 @@ fn faces_of_the_clip_box_are_dragged_and_what_lies_outside_goes() {
     let clip = |window: &Window| app(window).view.options.cloud.clip;
     let points_seen = |window: &mut Window| {
         let seen = window.render().expect("a picture");
-        let [r, g, b, _] = egui::Color32::from_rgb(50, 130, 255).to_array();
+        let [r, g, b, _] = egui::Color32::from_rgb(235, 64, 52).to_array();
         let is_port = |pixel: &&image::Rgba<u8>| {
             (pixel[0].abs_diff(r) < 30) && pixel[1].abs_diff(g) < 30 && pixel[2].abs_diff(b) < 30
         };

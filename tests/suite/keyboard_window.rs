@@ -3,7 +3,8 @@
 
 use crate::review::{detections, propose};
 use crate::support::demo_log;
-use crate::window::{Window, app, demo_window, empty_window, press};
+use crate::window::{Window, app, demo_window, empty_window, open_step, press};
+use bathyscope::app::WorkStep;
 use bathyscope_objects::ObjectExtent;
 use bathyscope_objects::review::State;
 use egui::{Event, Key, Modifiers};
@@ -117,17 +118,18 @@ fn the_keyboard_goes_into_the_panels_and_back() {
     let mut window = demo_window();
     let found = detections(&window, 3);
     propose(&mut window, &found, folder.path());
+    open_step(&mut window, WorkStep::Objects);
     let is_focused = |window: &Window, name: &str| {
         let node = window.get_by_label(name);
         node.accesskit_node().is_focused()
     };
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
-    assert!(is_focused(&window, "Survey section"));
+    assert!(is_focused(&window, "Objects section"));
     // With boxes Tab goes to the next one; in a panel it goes on to the next control.
     press(&mut window, Modifiers::NONE, Key::Tab);
     assert_eq!(app(&window).logs.shown.reviewing.selected, None);
-    assert!(!is_focused(&window, "Survey section"));
+    assert!(!is_focused(&window, "Objects section"));
     press(&mut window, Modifiers::NONE, Key::F6);
     window.run();
     assert!(is_focused(&window, "Review section"));

@@ -3,7 +3,6 @@
 use crate::printing::name_file;
 use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
 use bathyscope::app::{Action, Command, LogPlace, MapLayer, Measure, View};
-use bathyscope::ui::Alone;
 use bathyscope_log::support::geo::{CoordinateFormat, LonLat};
 use bathyscope_test_support::base_map;
 use egui::accesskit::Role;
@@ -22,7 +21,7 @@ fn by_palette(window: &mut Window, name: &str) {
 fn map_window() -> Window {
     let mut window = drawn_window([900.0, 640.0]);
     window.state_mut().app.apply(Command::OpenDemo);
-    window.state_mut().show_alone(Alone::View(View::Map));
+    window.state_mut().show_alone(View::Map);
     settle(&mut window);
     window
 }

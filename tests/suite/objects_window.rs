@@ -5,9 +5,10 @@ use crate::logs_window::{ids, names, opened, opened_in, settle};
 use crate::many_logs::{sailed, true_box, write_logs};
 use crate::review::search::{model, until};
 use crate::support::real_data;
-use crate::window::{Window, app, drawn_window, press, settle as drawn};
+use crate::window::{Window, app, drawn_window, open_step, press, settle as drawn};
 use bathyscope::app::{
     Action, App, Command, FileToOpen, FileToWrite, Jobs, LogBox, LogId, Object, ObjectState,
+    WorkStep,
 };
 use bathyscope_log::survey::{Identity, Side};
 use bathyscope_objects::Detection;
@@ -347,6 +348,7 @@ fn the_queue_goes_on_into_the_next_log() {
     let (first, second) = (ids(&window)[0], ids(&window)[1]);
     let of = |log: LogId| all.iter().filter(|id| id.log == log).count();
     assert!(of(first) > 1 && of(second) > 1);
+    open_step(&mut window, WorkStep::Objects);
     let said = format!("0 of {} decided in 2 logs", all.len());
     window.get_by_label(&said);
     let walked = walk(&mut window, all.len());

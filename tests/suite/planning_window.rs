@@ -3,7 +3,6 @@
 use crate::exclusion_window::{click, places_on_map};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
 use bathyscope::app::{Action, Command, FileToWrite, PlanRequest, View};
-use bathyscope::ui::Alone;
 use bathyscope_bottom::planning::{Leg, PlanSettings};
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -130,7 +129,7 @@ fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothi
 fn the_map_shows_the_lines_with_their_way() {
     let mut window = drawn_window([900.0, 640.0]);
     window.state_mut().app.apply(Command::OpenDemo);
-    window.state_mut().show_alone(Alone::View(View::Map));
+    window.state_mut().show_alone(View::Map);
     settle(&mut window);
     plan(&mut window);
     settle(&mut window);

@@ -5,7 +5,6 @@ use crate::support::{demo_log, manifest_entry};
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
 use bathyscope::app::{Action, App, Command, FileToWrite, Jobs, MapLayer, ReferenceBy, View};
-use bathyscope::ui::Alone;
 use bathyscope_bottom::bathymetry::compare::{Match, Matching};
 use bathyscope_log::support::geo::UtmZone;
 use bathyscope_products::pipeline::Settings;
@@ -26,7 +25,7 @@ fn act(window: &mut Window, action: Action) {
 fn the_map_shows_how_each_point_differs_from_the_soundings() {
     let mut window = drawn_window([900.0, 640.0]);
     window.state_mut().app.apply(Command::OpenDemo);
-    window.state_mut().show_alone(Alone::View(View::Map));
+    window.state_mut().show_alone(View::Map);
     settle(&mut window);
     assert!(
         app(&window).findings.reference_comparison.agreement().is_none(),

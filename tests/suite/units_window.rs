@@ -141,7 +141,7 @@ fn nothing_in_the_window_is_left_in_metres() {
         open_section(&mut window, step, title);
         seen.look(&window);
     }
-    open_step(&mut window, WorkStep::Correct);
+    open_step(&mut window, WorkStep::Map);
     settle(&mut window);
     for name in ["Waterfall, pings", "Map, track", "3D point cloud"] {
         let rect = view(&window, name);
@@ -209,6 +209,7 @@ fn nothing_in_the_window_is_left_in_metres() {
     seen.look(&window);
     press(&mut window, Modifiers::NONE, Key::Escape);
     // The speed of sound, and a change that the history names.
+    open_step(&mut window, WorkStep::Correct);
     window.get_by_label("Correct the speed of sound").click_accesskit();
     settle(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::H);

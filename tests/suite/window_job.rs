@@ -187,7 +187,7 @@ fn the_published_formula_says_what_it_makes_of_the_depth() {
     let note = "is multiplied by cos(α2), -3.87 %";
     open_section(&mut window, WorkStep::Map, "Cloud");
     assert!(window.query_by_label_contains(note).is_none());
-    open_step(&mut window, WorkStep::Logs);
+    open_section(&mut window, WorkStep::Logs, "Preset");
     window.get_by_label("Preset published").click();
     window.run();
     open_step(&mut window, WorkStep::Map);
@@ -203,7 +203,7 @@ fn logs_with_something_missing_say_what() {
         ("lowrance/river-downscan-only.sl2", WorkStep::Logs, "no side-scan in this log"),
         ("lowrance/hobart-20m.sl3", WorkStep::Logs, "no side-scan: range ±1.5 m"),
         ("lowrance/elite4-stray-bytes.sl2", WorkStep::Bottom, "This log has no side-scan."),
-        ("xtf/000_1236.xtf", WorkStep::Logs, "records no depth"),
+        ("xtf/000_1236.xtf", WorkStep::Correct, "records no depth"),
     ] {
         let mut window = empty_window();
         drop_file(&mut window, data.join(log));

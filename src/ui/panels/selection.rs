@@ -4,7 +4,7 @@
 
 use super::parts::{fact, remark};
 use super::section::{Section, section};
-use crate::app::{Action, Command, LogPlace};
+use crate::app::{Action, App, Command, LogPlace};
 use crate::ui::views::measured;
 use crate::ui::{ViewContext, place, text, theme};
 use bathyscope_bottom::cloud::{PointClass, PointSource};
@@ -13,17 +13,15 @@ use bathyscope_objects::targets::ShadowHeight;
 use bathyscope_products::project::MeasurementKind;
 use egui::{Align2, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 
-/// Draws the section.
-pub(crate) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    section(ui, context, &Section::new("Selection"), |ui, context| {
-        match context.app.view.selection {
-            Some(mark) => selected(ui, context, mark),
-            None => remark(
-                ui,
-                "Nothing is selected: click the waterfall, the map, the cloud or the time line.",
-            ),
-        }
-    });
+/// Titles of the sections.
+pub(super) const TITLE: &str = "Selection";
+pub(super) const SHADOW_TITLE: &str = "Height from shadow";
+
+/// Draws the section of the selected ping; draws nothing if none is selected.
+pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    if let Some(mark) = context.app.view.selection {
+        section(ui, context, &Section::new(TITLE), |ui, context| selected(ui, context, mark));
+    }
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: LogPlace) {
@@ -159,16 +157,19 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: LogPlace) {
 /// Height of the drawing, points.
 const DRAWING_HEIGHT: f32 = 110.0;
 
+/// Returns true if a height is measured from a shadow.
+pub(super) fn is_height_measured(app: &App) -> bool {
+    let figure = app.map.measuring.figure.as_deref();
+    figure.is_some_and(|figure| figure.measurement.kind == MeasurementKind::Height)
+}
+
 /// Draws the section; draws nothing if no height is measured.
-pub(crate) fn shadow(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let measuring = &context.app.map.measuring;
-    let figure = measuring.figure.as_deref();
-    let is_height = |kind| kind == MeasurementKind::Height;
-    if !figure.is_some_and(|figure| is_height(figure.measurement.kind)) {
+pub(super) fn shadow(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    if !is_height_measured(context.app) {
         return;
     }
     let found = context.app.measured_height();
-    section(ui, context, &Section::new("Height from shadow"), |ui, context| match found {
+    section(ui, context, &Section::new(SHADOW_TITLE), |ui, context| match found {
         None => remark(ui, "Drag in the waterfall to the end of the shadow."),
         Some(Err(error)) => {
             let why = context.units().sentence(&error.to_string());

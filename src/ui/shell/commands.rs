@@ -1,7 +1,7 @@
 //! Carries out the commands of the window, and passes all other commands to the app.
 
 use super::printing::BUSY;
-use super::sides::SidePanel;
+use super::sides::{SideNeeds, SidePanel};
 use super::{Shell, ViewRequest};
 use crate::app::{
     Action, Command, FileToWrite, JobKey, Jobs, KeyFocus, Keys, OpenLog, View, WindowAction,
@@ -54,6 +54,7 @@ impl Shell {
                     // The boxes that are found are reviewed in the views: the next Tab selects the
                     // first box instead of the next control.
                     leave_control(ctx);
+                    self.app.view.options.panels.step = WorkStep::Objects;
                 }
                 self.app.apply(Command::Do(action));
             }
@@ -120,7 +121,7 @@ impl Shell {
             WindowAction::NameBox => self.name_box(ctx),
             WindowAction::SetCorner => match self.target() {
                 View::Waterfall => self.views.waterfall.set_corner(),
-                View::Map | View::Cloud | View::Objects => self.views.map.set_corner(),
+                _ => self.views.map.set_corner(),
             },
             WindowAction::SaveFigure if self.app.measured().is_some() => {
                 self.ask_beside_log(PathPurpose::SaveFigure, "measured.geojson");
@@ -191,15 +192,16 @@ impl Shell {
     }
 
     fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
-        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        self.show_panel(panel, !panel.is_shown(panels, width), ctx);
+        let needs = SideNeeds::of(&self.app, ctx.content_rect().width());
+        self.show_panel(panel, !panel.is_shown(self.app.view.options.panels, needs), ctx);
     }
 
     /// Shows or hides a panel, unless it is in that state already.
     fn show_panel(&mut self, panel: SidePanel, shown: bool, ctx: &egui::Context) {
-        let (panels, width) = (self.app.view.options.panels, ctx.content_rect().width());
-        if panel.is_shown(panels, width) != shown {
-            self.app.view.options.panels = panel.set_shown(panels, shown, width);
+        let panels = self.app.view.options.panels;
+        let needs = SideNeeds::of(&self.app, ctx.content_rect().width());
+        if panel.is_shown(panels, needs) != shown {
+            self.app.view.options.panels = panel.set_shown(panels, shown, needs);
         }
     }
 
@@ -231,7 +233,10 @@ impl Shell {
     /// Moves the keyboard to the steps, then to the details, then back to the views.
     fn focus_panels(&mut self, ctx: &egui::Context) {
         let focused = ctx.memory(|memory| memory.focused());
-        let width = ctx.content_rect().width();
+        if self.app.logs.shown.survey.is_none() {
+            return leave_control(ctx);
+        }
+        let needs = SideNeeds::of(&self.app, ctx.content_rect().width());
         let from = self.keyboard_in.filter(|_| focused.is_some());
         let rest: &[SidePanel] = match from {
             None => &[SidePanel::Steps, SidePanel::Details],
@@ -239,15 +244,16 @@ impl Shell {
             Some(SidePanel::Details) => &[],
         };
         let panels = self.app.view.options.panels;
-        let next = rest.iter().find(|panel| panel.is_shown(panels, width));
+        let next = rest.iter().find(|panel| {
+            let is_empty = **panel == SidePanel::Details && !needs.has_details;
+            panel.is_shown(panels, needs) && !is_empty
+        });
         self.keyboard_in = next.copied();
         let title = match next {
-            Some(SidePanel::Steps) if self.app.logs.shown.survey.is_none() => {
-                panels::steps::first_section(WorkStep::Logs)
-            }
             Some(SidePanel::Steps) => panels::steps::first_section(panels.step),
-            Some(SidePanel::Details) if self.app.logs.has_boxes() => "Review",
-            Some(SidePanel::Details) => "Selection",
+            Some(SidePanel::Details) => {
+                panels::details::first_section(&self.app).unwrap_or_default()
+            }
             None => return leave_control(ctx),
         };
         panels::focus_section(ctx, title);

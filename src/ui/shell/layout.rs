@@ -62,44 +62,50 @@ fn preset_of(step: WorkStep) -> LayoutPreset {
     }
 }
 
+/// Adds a tile with a tab for each view, the first in front.
+fn tabs(views: &[View], tiles: &mut Tiles<View>) -> TileId {
+    let panes = views.iter().map(|view| tiles.insert_pane(*view)).collect();
+    tiles.insert_tab_tile(panes)
+}
+
+/// Adds a tile with two others beside or below each other; the first has `share` of the length.
+fn split(dir: LinearDir, two: [TileId; 2], share: f32, tiles: &mut Tiles<View>) -> TileId {
+    let split = Linear::new_binary(dir, two, share);
+    tiles.insert_container(Container::Linear(split))
+}
+
 fn tree(preset: LayoutPreset) -> Tree<View> {
     let mut tiles = Tiles::default();
-    let tab = |view: View, tiles: &mut Tiles<View>| {
-        let pane = tiles.insert_pane(view);
-        tiles.insert_tab_tile(vec![pane])
-    };
     let root = match preset {
-        LayoutPreset::Only(view) => tab(view, &mut tiles),
-        LayoutPreset::Survey | LayoutPreset::Review => {
-            // The table is a tab beside the waterfall, and as wide.
-            let panes = [View::Waterfall, View::Objects].map(|view| tiles.insert_pane(view));
-            let waterfall = tiles.insert_tab_tile(panes.to_vec());
-            let map = tab(View::Map, &mut tiles);
-            let cloud = tab(View::Cloud, &mut tiles);
-            let share = if preset == LayoutPreset::Review { 0.74 } else { 0.55 };
-            let below = tiles.insert_horizontal_tile(vec![map, cloud]);
-            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], share);
-            tiles.insert_container(Container::Linear(split))
+        LayoutPreset::Only(view) => tabs(&[view], &mut tiles),
+        // The table is a tab beside the waterfall, and as wide.
+        LayoutPreset::Survey => {
+            let waterfall = tabs(&[View::Waterfall, View::Objects, View::Profile], &mut tiles);
+            let map = tabs(&[View::Map], &mut tiles);
+            let cloud = tabs(&[View::Cloud], &mut tiles);
+            let below = split(LinearDir::Horizontal, [map, cloud], 0.5, &mut tiles);
+            split(LinearDir::Vertical, [waterfall, below], 0.55, &mut tiles)
+        }
+        LayoutPreset::Review => {
+            let waterfall = tabs(&[View::Waterfall, View::Objects], &mut tiles);
+            let profile = tabs(&[View::Profile], &mut tiles);
+            let map = tabs(&[View::Map, View::Cloud], &mut tiles);
+            let below = split(LinearDir::Horizontal, [profile, map], 0.5, &mut tiles);
+            split(LinearDir::Vertical, [waterfall, below], 0.7, &mut tiles)
         }
         LayoutPreset::Map => {
-            let map = tab(View::Map, &mut tiles);
-            let panes = [View::Waterfall, View::Objects].map(|view| tiles.insert_pane(view));
-            let waterfall = tiles.insert_tab_tile(panes.to_vec());
-            let cloud = tab(View::Cloud, &mut tiles);
-            let beside = Linear::new_binary(LinearDir::Vertical, [cloud, waterfall], 0.5);
-            let beside = tiles.insert_container(Container::Linear(beside));
-            let split = Linear::new_binary(LinearDir::Horizontal, [map, beside], 0.6);
-            tiles.insert_container(Container::Linear(split))
+            let map = tabs(&[View::Map], &mut tiles);
+            let waterfall = tabs(&[View::Waterfall, View::Objects, View::Profile], &mut tiles);
+            let cloud = tabs(&[View::Cloud], &mut tiles);
+            let beside = split(LinearDir::Vertical, [cloud, waterfall], 0.5, &mut tiles);
+            split(LinearDir::Horizontal, [map, beside], 0.6, &mut tiles)
         }
         LayoutPreset::Objects => {
-            let waterfall = tab(View::Waterfall, &mut tiles);
-            let objects = tab(View::Objects, &mut tiles);
-            let panes = [View::Map, View::Cloud].map(|view| tiles.insert_pane(view));
-            let map = tiles.insert_tab_tile(panes.to_vec());
-            let below = Linear::new_binary(LinearDir::Horizontal, [objects, map], 0.62);
-            let below = tiles.insert_container(Container::Linear(below));
-            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], 0.55);
-            tiles.insert_container(Container::Linear(split))
+            let waterfall = tabs(&[View::Waterfall, View::Profile], &mut tiles);
+            let objects = tabs(&[View::Objects], &mut tiles);
+            let map = tabs(&[View::Map, View::Cloud], &mut tiles);
+            let below = split(LinearDir::Horizontal, [objects, map], 0.62, &mut tiles);
+            split(LinearDir::Vertical, [waterfall, below], 0.55, &mut tiles)
         }
     };
     Tree::new(egui::Id::unique("views"), root, tiles)

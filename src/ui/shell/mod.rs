@@ -20,9 +20,9 @@ mod sides;
 mod toolbar;
 
 use super::dialogs::{Dialogs, PathPurpose};
+use super::panels;
 use super::panels::review::ReviewPanel;
 use super::panels::timeline::TimeLine;
-use super::panels::{self, Section};
 use super::views::{CloudView, MapView, ObjectsView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, flat, theme};
 use crate::app::{Action, App, Command, KeyFocus, Mountings, PrintText, View, ViewOptions};
@@ -38,15 +38,6 @@ use printing::Printing;
 use serde::{Deserialize, Serialize};
 use sides::{SidePanel, scrolled, time_line_height};
 use std::path::PathBuf;
-
-/// A view that fills the whole picture, for `bathyscope snapshot`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Alone {
-    /// One of the views of the centre.
-    View(View),
-    /// The profile of the selected ping.
-    Profile,
-}
 
 /// The views, each with the part of the survey that it shows.
 #[derive(Default)]
@@ -68,6 +59,7 @@ impl Views {
             View::Map => self.map.ui(ui, context),
             View::Cloud => self.cloud.ui(ui, context),
             View::Objects => self.objects.ui(ui, context),
+            View::Profile => self.profile.ui(ui, context),
         }
     }
 
@@ -76,8 +68,8 @@ impl Views {
             View::Waterfall => self.waterfall.request(request),
             View::Map => self.map.request(request),
             View::Cloud => self.cloud.request(request),
-            // The table has no scale.
-            View::Objects => {}
+            // The table has no scale, and the profile is always fitted.
+            View::Objects | View::Profile => {}
         }
     }
 
@@ -117,6 +109,7 @@ impl Views {
             View::Map => self.map.is_settled(),
             View::Cloud => self.cloud.is_settled(),
             View::Objects => self.objects.is_settled(),
+            View::Profile => self.profile.is_settled(),
         }
     }
 }
@@ -138,7 +131,8 @@ pub struct Shell {
     history: HistoryList,
     /// True if the list of all notices is shown.
     shows_notices: bool,
-    alone: Option<Alone>,
+    /// The view that fills the whole picture; `None` in a window.
+    alone: Option<View>,
     /// Text around the view on a print; `None` without a print.
     text_around: Option<PrintText>,
     started: bool,
@@ -193,7 +187,7 @@ impl Shell {
     }
 
     /// Fills the whole picture with one view, without panels around it.
-    pub fn show_alone(&mut self, alone: Alone) {
+    pub fn show_alone(&mut self, alone: View) {
         self.alone = Some(alone);
     }
 
@@ -205,14 +199,12 @@ impl Shell {
     /// Returns true if no work is running and everything visible is drawn in its final quality.
     pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
-            Some(Alone::View(view)) => self.views.is_settled(view),
-            Some(Alone::Profile) => self.views.profile.is_settled(),
+            Some(view) => self.views.is_settled(view),
             None => {
                 let shown = self.layout.shown();
                 shown.into_iter().all(|view| self.views.is_settled(view))
                     && self.timeline.is_settled()
                     && self.review.is_settled()
-                    && self.views.profile.is_settled()
             }
         };
         self.app.is_idle() && views_settled
@@ -348,10 +340,7 @@ impl Shell {
 
     /// Returns the view in which keys act.
     fn target(&self) -> View {
-        match self.alone {
-            Some(Alone::View(view)) => view,
-            Some(Alone::Profile) | None => self.layout.target(),
-        }
+        self.alone.unwrap_or_else(|| self.layout.target())
     }
 
     /// Draws the window; returns the path that the dialog of the system is to ask for.
@@ -395,34 +384,21 @@ impl Shell {
                 .frame(bar.inner_margin(egui::Margin::symmetric(8, 1)))
                 .show(ui, |ui| panels::depth_line::ui(ui, &mut context));
         }
-        let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
-        SidePanel::Steps.ui(ui, &mut context, side, |ui, context| {
-            panels::of_given_width(ui, |ui| {
-                scrolled(ui, "scrolled steps", |ui| panels::steps::ui(ui, context));
-            });
-        });
-        SidePanel::Details.ui(ui, &mut context, side, |ui, context| {
-            panels::of_given_width(ui, |ui| {
-                details(ui, context, &mut self.review, &mut self.views.profile);
-            });
-        });
-        Panel::bottom("time line")
-            .exact_size(time_line_height(ui.content_rect().height()))
-            .frame(bar)
-            .show(ui, |ui| {
-                self.timeline.ui(ui, &mut context);
-                self.play.ui(ui, &mut context);
-            });
-        let centre = ui.available_rect_before_wrap();
-        CentralPanel::no_frame().show(ui, |ui| {
-            let before = self.views.areas;
-            self.layout.follow_step(context.options().panels.step);
-            self.layout.ui(ui, &mut self.views, &mut context);
-            if before != self.views.areas {
-                // A view fits its contents to a new area in the next frame.
-                ui.ctx().request_repaint();
-            }
-        });
+        let mut centre = ui.available_rect_before_wrap();
+        if context.app.logs.shown.survey.is_some() {
+            side_panels(ui, &mut context, &mut self.review, bar);
+            Panel::bottom("time line")
+                .exact_size(time_line_height(ui.content_rect().height()))
+                .frame(bar)
+                .show(ui, |ui| {
+                    self.timeline.ui(ui, &mut context);
+                    self.play.ui(ui, &mut context);
+                });
+            centre = ui.available_rect_before_wrap();
+            draw_views(ui, &mut context, &mut self.layout, &mut self.views);
+        } else {
+            CentralPanel::no_frame().show(ui, |ui| panels::start::ui(ui, &mut context));
+        }
         lists::show_notices(ui.ctx(), &mut context, centre);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
@@ -446,33 +422,37 @@ fn forget_vanished_control(ctx: &egui::Context) {
     }
 }
 
-fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
-    let canvas = Frame::new().fill(theme::canvas_colour(context.options()));
-    CentralPanel::no_frame().frame(canvas).show(ui, |ui| match alone {
-        Alone::View(view) => views.ui(view, ui, context),
-        Alone::Profile => views.profile.ui(ui, context),
+/// Draws the panels left and right of the views.
+fn side_panels(ui: &mut Ui, context: &mut ViewContext<'_>, review: &mut ReviewPanel, bar: Frame) {
+    let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
+    SidePanel::Steps.ui(ui, context, side, |ui, context| {
+        panels::of_given_width(ui, |ui| {
+            scrolled(ui, "scrolled steps", |ui| panels::steps::ui(ui, context));
+        });
+    });
+    SidePanel::Details.ui(ui, context, side, |ui, context| {
+        panels::of_given_width(ui, |ui| {
+            scrolled(ui, "scrolled details", |ui| panels::details::ui(ui, context, review));
+        });
     });
 }
 
-/// Draws the right side: the review while there are boxes, the selection, and its profile.
-fn details(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    review: &mut ReviewPanel,
-    profile: &mut ProfileView,
-) {
-    let height = ui.available_height();
-    scrolled(ui, "scrolled details", |ui| {
-        review.ui(ui, context);
-        panels::selection::shadow(ui, context);
-        panels::selection::ui(ui, context);
-        panels::section(ui, context, &Section::new("Profile"), |ui, context| {
-            // In a taller area the curve would be all spikes.
-            let left = (height - ui.min_rect().height() - 24.0).clamp(200.0, 400.0);
-            let size = egui::vec2(ui.available_width(), left);
-            ui.allocate_ui(size, |ui| profile.ui(ui, context));
-        });
+/// Draws the views in the arrangement of the open step.
+fn draw_views(ui: &mut Ui, context: &mut ViewContext<'_>, layout: &mut Layout, views: &mut Views) {
+    CentralPanel::no_frame().show(ui, |ui| {
+        let before = views.areas;
+        layout.follow_step(context.options().panels.step);
+        layout.ui(ui, views, context);
+        if before != views.areas {
+            // A view fits its contents to a new area in the next frame.
+            ui.ctx().request_repaint();
+        }
     });
+}
+
+fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: View) {
+    let canvas = Frame::new().fill(theme::canvas_colour(context.options()));
+    CentralPanel::no_frame().frame(canvas).show(ui, |ui| views.ui(alone, ui, context));
 }
 
 impl eframe::App for Shell {

@@ -1,7 +1,7 @@
 //! Draws the picture of a printed view off screen, while the window can be used.
 
 use super::printing::map_scale;
-use super::{Alone, Shell, Views};
+use super::{Shell, Views};
 use crate::app::{App, Command, Paper, Sheet, ThemeChoice, View};
 use crate::ui::offscreen::{PictureError, Studio, write_picture};
 use bathyscope_log::support::progress::Progress;
@@ -27,7 +27,7 @@ impl Shell {
         let text = self.app.print_text(view, scale, SystemTime::now());
         let mut shell = Shell::new(copy);
         shell.views = self.views.for_picture(&self.app);
-        shell.show_alone(Alone::View(view));
+        shell.show_alone(view);
         shell.text_around = Some(text);
         self.app.write(move |progress| draw(shell, view, sheet, &path, progress));
     }
@@ -60,7 +60,7 @@ fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
             "Perspective view: the axes give the scale, elevations x{}.",
             app.view.options.cloud.vertical_exaggeration
         ),
-        View::Objects => String::new(),
+        View::Objects | View::Profile => String::new(),
     }
 }
 

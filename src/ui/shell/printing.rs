@@ -152,7 +152,7 @@ impl Shell {
         let ending = match view {
             View::Waterfall => "waterfall.png",
             View::Map => "map.png",
-            View::Cloud | View::Objects => "cloud.png",
+            View::Cloud | View::Objects | View::Profile => "cloud.png",
         };
         self.ask_beside_log(PathPurpose::PrintInto, ending);
     }

@@ -1,8 +1,24 @@
 //! Draws the panels left and right of the views, and the buttons that show and hide them.
 
-use crate::app::{Action, PanelOptions, PanelShown};
+use crate::app::{Action, App, PanelOptions, PanelShown};
+use crate::ui::panels::details;
 use crate::ui::{ViewContext, theme};
 use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, UiBuilder, UiKind, UiStackInfo, vec2};
+
+/// Facts of the window that decide which panels are shown if the analyst has not chosen.
+#[derive(Clone, Copy)]
+pub(super) struct SideNeeds {
+    /// Width of the window, points.
+    pub width: f32,
+    /// True if the right panel has contents.
+    pub has_details: bool,
+}
+
+impl SideNeeds {
+    pub(super) fn of(app: &App, width: f32) -> Self {
+        Self { width, has_details: details::first_section(app).is_some() }
+    }
+}
 
 /// A panel beside the views.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,25 +53,31 @@ impl SidePanel {
         }
     }
 
-    /// Returns true if the panel is shown in a window of this width, points.
-    pub(super) fn is_shown(self, mut options: PanelOptions, width: f32) -> bool {
+    /// Returns true if the panel is shown.
+    pub(super) fn is_shown(self, mut options: PanelOptions, needs: SideNeeds) -> bool {
         match self.choice(&mut options) {
-            PanelShown::WithRoom => width >= self.room(),
+            PanelShown::WithRoom => {
+                needs.width >= self.room() && (self == SidePanel::Steps || needs.has_details)
+            }
             PanelShown::Always => true,
             PanelShown::Never => false,
         }
     }
 
     /// Returns the options after the panel was shown or hidden by hand. In a window without space
-    /// for both panels, the other one is hidden.
+    /// for both panels, the other one is hidden. A panel that is shown by hand with contents and
+    /// space goes again when it has none.
     pub(super) fn set_shown(
         self,
         mut options: PanelOptions,
         shown: bool,
-        width: f32,
+        needs: SideNeeds,
     ) -> PanelOptions {
-        *self.choice(&mut options) = if shown { PanelShown::Always } else { PanelShown::Never };
-        if shown && width < SidePanel::BOTH && self.other().is_shown(options, width) {
+        *self.choice(&mut options) = if shown { PanelShown::WithRoom } else { PanelShown::Never };
+        if shown && !self.is_shown(options, needs) {
+            *self.choice(&mut options) = PanelShown::Always;
+        }
+        if shown && needs.width < SidePanel::BOTH && self.other().is_shown(options, needs) {
             *self.other().choice(&mut options) = PanelShown::Never;
         }
         options
@@ -81,7 +103,8 @@ impl SidePanel {
     ) {
         let width = ui.content_rect().width();
         let options = context.options().panels;
-        let was_shown = self.is_shown(options, width);
+        let needs = SideNeeds::of(context.app, width);
+        let was_shown = self.is_shown(options, needs);
         let mut is_shown = was_shown;
         // The limit also applies to a width that an earlier run saved: on a small screen the views
         // keep half of the width.
@@ -95,7 +118,7 @@ impl SidePanel {
         panel.show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
         if is_shown != was_shown {
             let mut shown = context.options().clone();
-            shown.panels = self.set_shown(options, is_shown, width);
+            shown.panels = self.set_shown(options, is_shown, needs);
             context.show(shown);
         }
     }
@@ -104,7 +127,8 @@ impl SidePanel {
     /// the panel is shown.
     pub(super) fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let action = self.action();
-        let is_shown = self.is_shown(context.options().panels, ui.content_rect().width());
+        let needs = SideNeeds::of(context.app, ui.content_rect().width());
+        let is_shown = self.is_shown(context.options().panels, needs);
         let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));
         button.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, action.label())
@@ -169,22 +193,38 @@ mod tests {
 
     #[test]
     fn a_narrow_window_begins_without_panels_and_shows_one_at_a_time() {
+        let needs = |width: f32| SideNeeds { width, has_details: true };
         let shown = |options: PanelOptions, width: f32| {
-            [SidePanel::Steps, SidePanel::Details].map(|side| side.is_shown(options, width))
+            [SidePanel::Steps, SidePanel::Details].map(|side| side.is_shown(options, needs(width)))
         };
         let options = PanelOptions::default();
         assert_eq!(shown(options, 1600.0), [true, true]);
         assert_eq!(shown(options, 1280.0), [true, true]);
         assert_eq!(shown(options, 960.0), [true, false]);
         assert_eq!(shown(options, 640.0), [false, false]);
-        let steps = SidePanel::Steps.set_shown(options, true, 640.0);
+        let steps = SidePanel::Steps.set_shown(options, true, needs(640.0));
         assert_eq!(shown(steps, 640.0), [true, false]);
-        let details = SidePanel::Details.set_shown(steps, true, 640.0);
+        let details = SidePanel::Details.set_shown(steps, true, needs(640.0));
         assert_eq!(shown(details, 640.0), [false, true]);
-        let both = SidePanel::Details.set_shown(options, true, 960.0);
+        let both = SidePanel::Details.set_shown(options, true, needs(960.0));
         assert_eq!(shown(both, 960.0), [true, true]);
         // The analyst's choice also holds in a wide window.
-        let hidden = SidePanel::Steps.set_shown(options, false, 1600.0);
+        let hidden = SidePanel::Steps.set_shown(options, false, needs(1600.0));
         assert_eq!(shown(hidden, 1600.0), [false, true]);
+    }
+
+    #[test]
+    fn the_right_panel_gives_its_place_to_the_views_while_it_is_empty() {
+        let empty = SideNeeds { width: 1600.0, has_details: false };
+        let filled = SideNeeds { has_details: true, ..empty };
+        let is_shown = |options, needs| SidePanel::Details.is_shown(options, needs);
+        let options = PanelOptions::default();
+        assert!(!is_shown(options, empty) && is_shown(options, filled));
+        // Shown by hand while it is empty, it stays; hidden and shown by hand while it has
+        // contents, it goes with them.
+        assert!(is_shown(SidePanel::Details.set_shown(options, true, empty), empty));
+        let hidden = SidePanel::Details.set_shown(options, false, filled);
+        assert!(!is_shown(hidden, filled));
+        assert!(!is_shown(SidePanel::Details.set_shown(hidden, true, filled), empty));
     }
 }

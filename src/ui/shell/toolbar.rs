@@ -22,7 +22,7 @@ fn room(view: View) -> f32 {
         View::Waterfall => 640.0,
         View::Map => 220.0,
         View::Cloud => 570.0,
-        View::Objects => 0.0,
+        View::Objects | View::Profile => 0.0,
     }
 }
 
@@ -50,7 +50,7 @@ fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mu
         View::Map => map(ui, context, options),
         View::Cloud => cloud(ui, context, options),
         // The filter of the table is above its rows.
-        View::Objects => {}
+        View::Objects | View::Profile => {}
     }
 }
 

@@ -176,7 +176,7 @@ fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
 fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
     let is_drawing = app.map.measuring.is_drawing();
     let (name, next) = match (kind, view) {
-        (_, View::Cloud | View::Objects) => return None,
+        (_, View::Cloud | View::Objects | View::Profile) => return None,
         (MeasurementKind::Distance, _) => ("Measure distance", "click the corners of a line"),
         (MeasurementKind::Area, _) => ("Measure area", "click the corners around it"),
         (MeasurementKind::Profile, _) => ("Depth profile", "click the corners of a line"),

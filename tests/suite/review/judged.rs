@@ -12,6 +12,7 @@ fn judged() -> (tempfile::TempDir, Window) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = demo_window();
     propose_with_mistakes(&mut window, folder.path());
+    open_step(&mut window, WorkStep::Objects);
     (folder, window)
 }
 

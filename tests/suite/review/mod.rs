@@ -7,9 +7,10 @@ mod on_map;
 pub(crate) mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
-use crate::window::{Window, app, demo_window, drawn_window, press, settle, threshold};
+use crate::window::{Window, app, demo_window, drawn_window, open_step, press, settle, threshold};
 use bathyscope::app::{
-    Action, App, BoxEdge, Command, FileToOpen, FileToWrite, Jobs, ObjectState, Tool, border_m,
+    Action, App, BoxEdge, Command, FileToOpen, FileToWrite, Jobs, ObjectState, Tool, WorkStep,
+    border_m,
 };
 use bathyscope_log::support::progress::Progress;
 use bathyscope_log::survey::{Identity, Side};
@@ -390,6 +391,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
     let mut window = demo_window();
     let found = detections(&window, 10);
     propose(&mut window, &found, folder.path());
+    open_step(&mut window, WorkStep::Objects);
     press(&mut window, Modifiers::NONE, Key::F);
     app_mut(&mut window).apply(Command::Edit { edit: Edit::Reject(BoxId(1)), live: false });
     window.run();

@@ -3,13 +3,12 @@
 use super::search::truth;
 use super::*;
 use bathyscope::app::{MapLayer, View};
-use bathyscope::ui::Alone;
 
 #[test]
 fn the_mosaic_with_boxes_looks_as_it_did() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = drawn_window([700.0, 500.0]);
-    window.state_mut().show_alone(Alone::View(View::Map));
+    window.state_mut().show_alone(View::Map);
     window.state_mut().app.apply(Command::OpenDemo);
     window.run();
     let (names, found) = truth(&window);

@@ -11,12 +11,15 @@ mod texts;
 
 use super::parts::{progress_bar, remark, warning, within};
 use super::section::{Section, section};
-use crate::app::Action;
+use crate::app::{Action, App};
 use crate::ui::views::chip::{self, BoxChip};
 use crate::ui::{ViewContext, text};
 use bathyscope_bottom::presentation::units::Units;
 use bathyscope_products::pipeline::Background;
 use egui::{LayerId, Rect, Response, RichText, Ui};
+
+/// Title of the section.
+pub(super) const TITLE: &str = "Review";
 
 /// State of the panel: the picture of the selected box, and the texts that are being edited.
 #[derive(Default)]
@@ -26,7 +29,7 @@ pub(crate) struct ReviewPanel {
     classes: texts::Classes,
     /// The pictures of the boxes that show the selected object.
     sightings: chip::Chips,
-    /// Layer and area of the panel when it was drawn last; `None` while there are no boxes.
+    /// Layer and area of the panel when it was drawn last; `None` while it is not drawn.
     area: Option<(LayerId, Rect)>,
 }
 
@@ -48,14 +51,19 @@ impl ReviewPanel {
         self.lines.wants_name = true;
     }
 
-    /// Draws the section; draws nothing while there are no boxes.
-    pub(crate) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if !context.app.logs.has_boxes() {
+    /// Forgets the area of the panel while it is not drawn, and everything once there are no boxes.
+    pub(super) fn leave(&mut self, app: &App) {
+        if app.logs.has_boxes() {
+            self.area = None;
+        } else {
             *self = Self::default();
-            return;
         }
+    }
+
+    /// Draws the section.
+    pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let top = ui.cursor().min;
-        section(ui, context, &Section::new("Review"), |ui, context| {
+        section(ui, context, &Section::new(TITLE), |ui, context| {
             progress(ui, context);
             if let Some(note) = context.app.search_note() {
                 warning(ui, context, &note);

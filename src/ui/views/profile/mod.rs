@@ -17,7 +17,7 @@ use curve::ScaleJob;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, pos2, vec2};
 
 /// Least readable height of the plot, points.
-const LEAST_HEIGHT: f32 = 140.0;
+const LEAST_HEIGHT: f32 = 90.0;
 /// Distance at which the pointer grips the threshold line, points.
 const GRIP: f32 = 6.0;
 
@@ -379,7 +379,7 @@ fn pick(
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;
     }
-    let above_bottom = if found.pick.above_bottom { " above bottom" } else { "" };
+    let above_bottom = if found.pick.above_bottom { ", above the sounding" } else { "" };
     let label = format!("{}{above_bottom}", options.units.measure(found.range_m, 2));
     let anchor = match side {
         Side::Port => Align2::RIGHT_BOTTOM,

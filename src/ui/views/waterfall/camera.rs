@@ -152,6 +152,14 @@ impl Camera {
         self.is_one_to_one = false;
     }
 
+    /// Keeps the first visible ping at its edge of a view that has become longer or shorter, so that
+    /// a panel that appears beside the view moves nothing under the pointer.
+    pub(super) fn keep_start(&mut self, before: Size, size: Size) {
+        if !self.along.fitted && before.across == size.across {
+            self.along.centre += 0.5 * (size.along - before.along) * self.along.per_point;
+        }
+    }
+
     /// Shows exactly these pings.
     pub(super) fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
         self.is_one_to_one = false;
@@ -409,6 +417,17 @@ mod tests {
         let whole = camera;
         camera.bring_in([3440.0, 3450.0], [24.0, 28.0], size);
         assert_eq!(camera, whole);
+    }
+
+    #[test]
+    fn a_view_that_becomes_narrower_keeps_its_first_ping() {
+        let size = size(Orientation::Horizontal);
+        let mut camera = Camera::start(&EXTENT, size);
+        camera.show_pings(&(1000..1400), size);
+        let narrower = Size::new(0.75 * size.along, size.across);
+        camera.keep_start(size, narrower);
+        let [from, to, ..] = camera.seen(narrower);
+        assert!((from - 1000.0).abs() < 1e-6 && (to - 1300.0).abs() < 1e-6, "{from} to {to}");
     }
 
     #[test]

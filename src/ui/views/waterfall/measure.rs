@@ -35,7 +35,7 @@ impl Cross {
         }
         let moved = match context.target {
             View::Waterfall => measured::arrows(ui),
-            View::Map | View::Cloud | View::Objects => [0.0; 2],
+            _ => [0.0; 2],
         };
         if moved == [0.0; 2] {
             return false;

@@ -203,6 +203,9 @@ impl WaterfallView {
         let rect = response.rect;
         let size = Size::of(rect.size(), arrangement.orientation);
         let mut camera = *self.camera.get_or_insert_with(|| Camera::start(extent, size));
+        if let Some(before) = self.size {
+            camera.keep_start(before, size);
+        }
         if let Some(seen) = self.aim.take() {
             camera.show(seen, size);
         }
