@@ -94,57 +94,77 @@ pub(super) struct Gathering<'a> {
     pub method: Method,
 }
 
+/// Slant ranges of the picks, port and starboard.
+struct Ranges {
+    /// By the recorder's scale, metres; NaN without a pick.
+    m: [Vec<f32>; 2],
+    /// True for a side without any pick.
+    is_empty: [bool; 2],
+}
+
 impl Gathering<'_> {
     /// Returns the evidence for every pick, port and starboard.
     pub(super) fn evidence(&self) -> [Vec<Evidence>; 2] {
-        let ranges = Side::BOTH.map(|side| self.ranges_m(side));
+        let ranges = self.ranges();
         Side::BOTH.map(|side| {
-            let this = side as usize;
-            let (own, other) = (&ranges[this], &ranges[1 - this]);
-            let is_alone = other.iter().all(|range_m| range_m.is_nan());
-            let of = |ping: usize| {
-                let range_m = own[ping];
-                let on_line = |away: usize| ON_LINE_M[0] + ON_LINE_M[1] * away as f32;
-                let as_far = AS_FAR[0] + AS_FAR[1] * range_m;
-                let own = support_along(own, ping, on_line);
-                Evidence {
-                    range_m,
-                    signs: self.settled.found[this][ping].signs,
-                    own,
-                    other: if is_alone {
-                        own
-                    } else {
-                        support(other, ping, |_| range_m, |_| as_far)
-                    },
-                    depth_m: self.settled.depths_m[ping],
-                    beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
-                }
-            };
-            (0..own.len()).into_par_iter().with_min_len(1024).map(of).collect()
+            let pings = (0..ranges.m[side as usize].len()).into_par_iter().with_min_len(1024);
+            pings.map(|ping| self.evidence_at(&ranges, side, ping)).collect()
         })
+    }
+
+    fn evidence_at(&self, ranges: &Ranges, side: Side, ping: usize) -> Evidence {
+        let (own, other) = (&ranges.m[side as usize], &ranges.m[side.other() as usize]);
+        let range_m = own[ping];
+        let as_far = AS_FAR[0] + AS_FAR[1] * range_m;
+        let own = support_along(own, ping);
+        Evidence {
+            range_m,
+            signs: self.settled.found[side as usize][ping].signs,
+            own,
+            other: if ranges.is_empty[side.other() as usize] {
+                own
+            } else {
+                support(other, ping, |_| range_m, |_| as_far)
+            },
+            depth_m: self.settled.depths_m[ping],
+            beyond_dead_zone_m: range_m - self.dead_zone_m as f32,
+        }
     }
 
     /// Returns the picks with their confidence, port and starboard; that of picks beyond the bottom
     /// below the boat is doubted.
     pub(super) fn picks(&self) -> [Vec<Pick>; 2] {
-        let evidence = self.evidence();
-        let mut sides: [Vec<Pick>; 2] = [0, 1].map(|this| {
-            let found = self.settled.found[this].par_iter().zip(&evidence[this]);
-            let rated = found.with_min_len(1024).map(|(found, evidence)| {
-                if found.sample.is_nan() {
-                    return Pick::NONE;
-                }
-                Pick {
-                    sample: found.sample,
-                    confidence: evidence.chance(self.method),
-                    above_bottom: is_above(evidence.range_m, evidence.depth_m, self.margin_m),
-                }
-            });
-            rated.collect()
-        });
-        let [port, starboard] = &mut sides;
-        doubt_beyond(self.survey, self.first, [port, starboard], &farthest_m);
-        sides
+        let ranges = self.ranges();
+        // The evidence of all picks at once would be the most memory of a step of the slider.
+        let pick = |side: Side, index: usize| {
+            let found = &self.settled.found[side as usize][index];
+            if found.sample.is_nan() {
+                return Pick::NONE;
+            }
+            let evidence = self.evidence_at(&ranges, side, index);
+            Pick {
+                sample: found.sample,
+                confidence: evidence.chance(self.method),
+                above_bottom: is_above(evidence.range_m, evidence.depth_m, self.margin_m),
+            }
+        };
+        let picks = |index: usize| {
+            let [mut port, mut starboard] = Side::BOTH.map(|side| pick(side, index));
+            let depth_m = self.settled.depths_m[index];
+            if ranges.m.iter().any(|side| side[index] > depth_m) {
+                doubt(self.survey, self.first + index, [&mut port, &mut starboard], &farthest_m);
+            }
+            (port, starboard)
+        };
+        let pings = (0..self.settled.depths_m.len()).into_par_iter().with_min_len(1024);
+        let (port, starboard) = pings.map(picks).unzip();
+        [port, starboard]
+    }
+
+    fn ranges(&self) -> Ranges {
+        let m = Side::BOTH.map(|side| self.ranges_m(side));
+        let is_empty = m.each_ref().map(|side| side.iter().all(|range_m| range_m.is_nan()));
+        Ranges { m, is_empty }
     }
 
     /// Returns the slant ranges by the recorder's scale, metres; NaN without a pick.
@@ -160,34 +180,47 @@ impl Gathering<'_> {
 }
 
 /// Returns the share of the ranges around a ping, without that of the ping, that differ from what
-/// is expected at their ping by no more than `allowed_m` returns for their distance in pings.
+/// is expected at their ping by no more than `allowed_m` returns. Both functions take the distance
+/// from the ping, in pings.
 fn support(
     ranges_m: &[f32],
     ping: usize,
-    expected_m: impl Fn(usize) -> f32,
-    allowed_m: impl Fn(usize) -> f32,
+    expected_m: impl Fn(f32) -> f32,
+    allowed_m: impl Fn(f32) -> f32,
 ) -> f32 {
-    let around = ping.saturating_sub(REACH)..ranges_m.len().min(ping + REACH + 1);
-    let count = around.len() - 1;
-    let on_line = around.filter(|&other| {
-        let off_m = (ranges_m[other] - expected_m(other)).abs();
+    let agrees = |range_m: f32, away: f32| {
         // Without a pick at the other ping the difference is NaN, and the comparison false.
-        other != ping && off_m <= allowed_m(other.abs_diff(ping))
-    });
-    on_line.count() as f32 / count.max(1) as f32
+        u32::from((range_m - expected_m(away)).abs() <= allowed_m(away.abs()))
+    };
+    let count = |window: &[f32], here: usize| {
+        let around = window.iter().enumerate();
+        let all = around.map(|(index, range_m)| agrees(*range_m, index as f32 - here as f32));
+        all.sum::<u32>() - agrees(window[here], 0.0)
+    };
+    let start = ping.saturating_sub(REACH);
+    let rest = &ranges_m[start..];
+    match rest.first_chunk::<{ 2 * REACH + 1 }>() {
+        // The compiler compares several ranges at once where it knows their number.
+        Some(window) if ping >= REACH => count(window, REACH) as f32 / (2 * REACH) as f32,
+        _ => {
+            let window = &rest[..rest.len().min(ping - start + REACH + 1)];
+            count(window, ping - start) as f32 / (window.len() - 1).max(1) as f32
+        }
+    }
 }
 
 /// Returns the share of the ranges around a ping that are on a line with its range: about as far,
 /// or, where the bottom moves faster than [`FAST_M`], along this movement.
-fn support_along(ranges_m: &[f32], ping: usize, allowed_m: impl Fn(usize) -> f32) -> f32 {
+fn support_along(ranges_m: &[f32], ping: usize) -> f32 {
     let range_m = ranges_m[ping];
-    let level = support(ranges_m, ping, |_| range_m, &allowed_m);
+    let allowed_m = |away: f32| ON_LINE_M[0] + ON_LINE_M[1] * away;
+    let level = support(ranges_m, ping, |_| range_m, allowed_m);
     if level >= ENOUGH_SUPPORT || range_m.is_nan() {
         return level;
     }
     let movement_m = movement_m(ranges_m, ping);
     if movement_m.abs() > FAST_M {
-        let expected_m = |other: usize| range_m + movement_m * (other as f32 - ping as f32);
+        let expected_m = |away: f32| range_m + movement_m * away;
         return level.max(support(ranges_m, ping, expected_m, allowed_m));
     }
     level
@@ -331,7 +364,7 @@ pub(super) fn doubt_by_own_scale(survey: &Survey, returns: &mut FirstReturns) {
     };
     let FirstReturns { port, starboard, .. } = returns;
     let sides = [Arc::make_mut(port).as_mut_slice(), Arc::make_mut(starboard).as_mut_slice()];
-    doubt_beyond(survey, 0, sides, &|depth_m| farthest_m(depth_m).min(farthest * depth_m));
+    doubt_beyond(survey, sides, &|depth_m| farthest_m(depth_m).min(farthest * depth_m));
 }
 
 /// Returns the largest ratio of first return to depth over a level bottom in this log; `None` where
@@ -354,37 +387,39 @@ fn farthest_share(survey: &Survey, returns: &FirstReturns) -> Option<f64> {
     Some(middle + OWN_SIGMAS * spread_about(&mut shares, middle))
 }
 
-/// Sets the confidence of first returns beyond the range that `farthest_m` returns for the depth to
-/// 0. A first return keeps its confidence in two cases: the first return of the other side is
-/// beyond the depth too, at about the same range, since the depth may be wrong or the beams may not
-/// reach the nadir; or it is certain and the other side does not confirm the depth. `sides` are the
-/// picks of port and starboard from the ping `first` on.
+/// Doubts first returns as [`doubt`] does at all pings.
 fn doubt_beyond(
     survey: &Survey,
-    first: usize,
-    sides: [&mut [Pick]; 2],
+    [port, starboard]: [&mut [Pick]; 2],
     farthest_m: &(dyn Fn(f64) -> f64 + Sync),
 ) {
-    let [port, starboard] = sides;
     let pings = port.par_iter_mut().zip(starboard).enumerate().with_min_len(1024);
-    pings.for_each(|(index, (port, starboard))| {
-        let ping = first + index;
-        let depth_m = f64::from(survey.good_depth_m(ping));
-        let port_m = port.range_m(survey, ping, Side::Port);
-        let starboard_m = starboard.range_m(survey, ping, Side::Starboard);
-        for (pick, own_m, other_m) in
-            [(port, port_m, starboard_m), (starboard, starboard_m, port_m)]
-        {
-            let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
-            let is_certain =
-                pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
-            let is_other_beyond = other_m > depth_m;
-            let is_apart = is_other_beyond && own_m.max(other_m) > MOST_APART * own_m.min(other_m);
-            if is_beyond && (is_apart || !is_other_beyond && !is_certain) {
-                pick.confidence = 0.0;
-            }
+    pings.for_each(|(ping, (port, starboard))| doubt(survey, ping, [port, starboard], farthest_m));
+}
+
+/// Sets the confidence of first returns of a ping beyond the range that `farthest_m` returns for
+/// the depth to 0. A first return keeps its confidence in two cases: the first return of the other
+/// side is beyond the depth too, at about the same range, since the depth may be wrong or the beams
+/// may not reach the nadir; or it is certain and the other side does not confirm the depth. `picks`
+/// are those of port and starboard.
+fn doubt(
+    survey: &Survey,
+    ping: usize,
+    [port, starboard]: [&mut Pick; 2],
+    farthest_m: &(dyn Fn(f64) -> f64 + Sync),
+) {
+    let depth_m = f64::from(survey.good_depth_m(ping));
+    let port_m = port.range_m(survey, ping, Side::Port);
+    let starboard_m = starboard.range_m(survey, ping, Side::Starboard);
+    for (pick, own_m, other_m) in [(port, port_m, starboard_m), (starboard, starboard_m, port_m)] {
+        let is_beyond = own_m > farthest_m(depth_m).max(depth_m + LEAST_BEYOND_M);
+        let is_certain = pick.confidence >= CERTAIN && !BEARS_OUT.contains(&(other_m / depth_m));
+        let is_other_beyond = other_m > depth_m;
+        let is_apart = is_other_beyond && own_m.max(other_m) > MOST_APART * own_m.min(other_m);
+        if is_beyond && (is_apart || !is_other_beyond && !is_certain) {
+            pick.confidence = 0.0;
         }
-    });
+    }
 }
 
 #[cfg(test)]
