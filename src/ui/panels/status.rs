@@ -116,9 +116,9 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 /// Offers to continue after processing was stopped. While a slider is dragged, results are out of
-/// date on purpose.
+/// date on purpose; a press of this button is no drag.
 fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    if !context.app.is_stopped() || ui.input(|input| input.pointer.any_down()) {
+    if !context.app.is_stopped() || ui.ctx().dragged_id().is_some() {
         return;
     }
     let action = Action::Update;
