@@ -379,8 +379,8 @@ impl App {
         });
     }
 
-    /// Leaves the innermost activity: measuring, a tool or selected box, a proposed stretch, or
-    /// else the finished measurement.
+    /// Leaves the innermost activity: measuring, a tool or selected box, a proposed stretch, the
+    /// finished measurement, or else the selected ping.
     fn leave_current_tool(&mut self) {
         if self.leave_measuring() {
             return;
@@ -392,8 +392,10 @@ impl App {
             self.select_box(None);
         } else if shown.proposed_stretch().is_some() {
             shown.calibrating.drop_proposal();
-        } else {
+        } else if self.map.measuring.figure.is_some() {
             self.remove_figure();
+        } else {
+            self.view.selection = None;
         }
     }
 

@@ -111,6 +111,8 @@ pub struct ViewState {
     pub visible: Range<usize>,
     /// Display options.
     pub options: ViewOptions,
+    /// True while the tour of the steps is shown.
+    pub has_tour: bool,
     /// True if only a picture is drawn from this state: views then draw no buttons.
     pub is_picture: bool,
 }

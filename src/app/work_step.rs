@@ -1,7 +1,7 @@
 //! Gives the steps of the work on a survey their titles and commands, and finds the state of each.
 
 use super::options::WorkStep;
-use super::{Action, App, JobKey};
+use super::{Action, App, Command, JobKey};
 use bathyscope_bottom::presentation::text::count;
 use bathyscope_log::survey::SideScanState;
 use bathyscope_products::pipeline::{Products, Stage};
@@ -60,6 +60,35 @@ impl WorkStep {
         }
     }
 
+    /// Returns the sentence of the tour: what the analyst does in this step.
+    pub(crate) fn tour(self) -> &'static str {
+        match self {
+            WorkStep::Logs => {
+                "Open the logs of a survey here; where they differ in height, the program says by how much."
+            }
+            WorkStep::Bottom => {
+                "Look whether the red and the green line follow the first echo of the bottom, and draw it where they do not."
+            }
+            WorkStep::Correct => {
+                "Give the draft and the water level, so that depths count from the surface; a flat stretch checks the scale."
+            }
+            WorkStep::Map => {
+                "Choose isobaths and cell size of the depth map; the pointer tells the depth at a place and its error."
+            }
+            WorkStep::Objects => {
+                "Find objects, and accept or reject each with A and R; sizes and heights are measured from echo and shadow."
+            }
+            WorkStep::Export => {
+                "Look how well side-scan and soundings agree, and write maps, points and the report into a folder."
+            }
+        }
+    }
+
+    /// Returns the step after this one; `None` after the last.
+    pub(crate) fn next(self) -> Option<WorkStep> {
+        WorkStep::ALL.get(self.number()).copied()
+    }
+
     /// Returns the state of the step for the shown log.
     pub(crate) fn state(self, app: &App) -> StepState {
         match self {
@@ -73,6 +102,17 @@ impl WorkStep {
             WorkStep::Objects => objects(app),
             WorkStep::Export => export(app),
         }
+    }
+}
+
+impl App {
+    /// Shows the tour from its first step, over the demo survey unless a survey is open.
+    pub(super) fn start_tour(&mut self) {
+        if self.logs.shown.survey.is_none() {
+            self.apply(Command::OpenDemo);
+        }
+        self.view.options.panels.step = WorkStep::Logs;
+        self.view.has_tour = true;
     }
 }
 

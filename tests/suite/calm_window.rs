@@ -13,7 +13,7 @@ use bathyscope_bottom::presentation::units::{LengthUnit, Units};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, Rect};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 
 /// A window of so many pixels, with so many of them to a point.
 pub(crate) fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) -> Window {
@@ -124,6 +124,11 @@ fn the_panels_go_and_come_by_key_and_stay_so() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     window.get_by_label("Selection section");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).view.selection, None);
+    window.run_steps(10);
+    assert!(window.query_by_label("Selection section").is_none(), "the views have its room");
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
     let before = views(&window).width();
     press(&mut window, Modifiers::NONE, Key::F7);
     assert!(window.query_by_label("Survey section").is_none());
@@ -309,6 +314,58 @@ fn an_empty_small_window_offers_what_would_fill_it() {
     for offer in ["Open survey…", "Open the demo survey"] {
         window.get_by_label(offer);
     }
+}
+
+/// Returns the number of buttons, switches, fields and other controls that the window draws.
+fn controls(window: &Window) -> usize {
+    let is_control = |role: Role| {
+        matches!(
+            role,
+            Role::Button
+                | Role::CheckBox
+                | Role::ComboBox
+                | Role::Link
+                | Role::RadioButton
+                | Role::Slider
+                | Role::SpinButton
+                | Role::Switch
+                | Role::TextInput
+        )
+    };
+    let nodes = window.query_all(By::new().predicate(move |node| is_control(node.role())));
+    nodes.count()
+}
+
+#[test]
+fn an_empty_window_and_the_demo_have_few_controls() {
+    let mut window = empty_window();
+    window.set_size(egui::vec2(1440.0, 900.0));
+    window.run();
+    let empty = controls(&window);
+    window.get_by_label("Open the demo survey").click();
+    settle(&mut window);
+    let demo = controls(&window);
+    println!("{empty} controls in an empty window, {demo} after the demo was opened");
+    assert!(empty <= 12 && demo <= 45, "{empty}, {demo}");
+}
+
+#[test]
+fn the_tour_leads_through_the_steps_of_the_demo_and_can_be_ended() {
+    let mut window = empty_window();
+    window.get_by_label("Tour of the six steps").click();
+    settle(&mut window);
+    assert_eq!(app(&window).logs.count(), 1);
+    for step in WorkStep::ALL {
+        assert_eq!(app(&window).view.options.panels.step, step);
+        assert!(window.query_by_label("End the tour").is_some(), "{step:?}");
+        if let Some(next) = window.query_by_label("Next step") {
+            next.click();
+            settle(&mut window);
+        }
+    }
+    window.get_by_label("End the tour").click();
+    window.run();
+    assert!(window.query_by_label("End the tour").is_none());
 }
 
 #[test]

@@ -356,6 +356,8 @@ fn a_click_with_the_tool_proposes_the_stretch_around_it() {
     let at = pond_middle(&window) + vec2(10.0, 0.0);
     click(&mut window, at);
     assert_eq!(proposals(&window), [], "without the tool a click selects");
+    window.state_mut().app.view.options.panels.step = WorkStep::Correct;
+    window.run();
     window.get_by_label("Calibrate on a stretch").click();
     window.run();
     click(&mut window, at);

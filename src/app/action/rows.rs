@@ -111,6 +111,10 @@ macro_rules! action_rows {
             Help {
                 OpenDemo, "Open the demo survey", "Opens the simulated pond that comes with the program."
                     => State(|app| app.load([LogOrigin::Demo].into_iter(), OpenMode::Instead));
+                Tour, "Tour of the six steps", "Opens the demo survey unless a survey is open, and says in a sentence what each step is for."
+                    => State(App::start_tour);
+                EndTour, "End the tour", "Ends the tour of the six steps."
+                    => State(|app| app.view.has_tour = false), when(|app| app.view.has_tour);
                 Palette, "Run a command…", key("Ctrl+P"), key("Ctrl+K"), "Finds a command or a setting by name."
                     => Window(WindowAction::Palette);
                 Notices, "Notices…", key("F9"), "Lists all messages since the program was started, the newest first."
@@ -407,7 +411,7 @@ macro_rules! action_rows {
                     => State(|app| app.take_measuring_tool(MeasurementKind::Height));
                 SetCorner, "Set a corner", key("X"), acts_in(KeyScope::WaterfallAndMap), "Sets a corner of the measurement at the pointer, or at the cross that the arrow keys move."
                     => Window(WindowAction::SetCorner);
-                LeaveTool, "Put the tool away", key("Escape"), acts_in(KeyScope::Views), "Puts the tool away; without a tool, deselects the box or removes the measurement."
+                LeaveTool, "Put the tool away", key("Escape"), acts_in(KeyScope::Views), "Puts the tool away; without a tool, deselects the box, removes the measurement or deselects the ping."
                     => State(App::leave_current_tool);
             }
             /// Planned survey lines.

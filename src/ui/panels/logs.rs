@@ -50,12 +50,16 @@ fn row(
         }
     };
     ui.horizontal(|ui| {
-        let mut visible = log.is_visible;
-        let tick = ui.checkbox(&mut visible, "");
-        let shows = format!("Show {name} on the map");
-        let tick = accessible(tick, egui::Role::CheckBox, &shows);
-        let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
-        ask(tick.on_hover_text(hint).changed(), Command::SetLogVisible(id, visible));
+        // A single log is always on the map, unless it was hidden beside others.
+        let has_others = app.logs.count() > 1;
+        if has_others || !log.is_visible {
+            let mut visible = log.is_visible;
+            let tick = ui.checkbox(&mut visible, "");
+            let shows = format!("Show {name} on the map");
+            let tick = accessible(tick, egui::Role::CheckBox, &shows);
+            let hint = "Uses this log in map, cloud, depth map, mosaic and products.";
+            ask(tick.on_hover_text(hint).changed(), Command::SetLogVisible(id, visible));
+        }
         let (swatch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(swatch, 2.0, theme::rgb(log.colour));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -64,7 +68,9 @@ fn row(
                 let named = format!("{what} {name}");
                 accessible(button, egui::Role::Button, &named).on_hover_text(what).clicked()
             };
-            ask(button(ui, "×", "Close", true), Command::CloseLog(id));
+            if has_others {
+                ask(button(ui, "×", "Close", true), Command::CloseLog(id));
+            }
             // The buttons are drawn on the row of the shown log only: beside every name there is no
             // space for them.
             if id == app.logs.shown.id && (can_rise || can_sink) {

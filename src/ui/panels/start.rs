@@ -1,5 +1,5 @@
-//! Draws the page that offers logs to open while none is: the dialog, the demo, the logs on cards,
-//! and the logs that were opened before.
+//! Draws the page that offers logs to open while none is: the dialog, the demo and its tour, the
+//! logs on cards, and the logs that were opened before.
 
 use super::parts::remark;
 use crate::app::{Action, CARDS_LISTED_EVERY, Command};
@@ -40,7 +40,7 @@ fn offers(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.label(RichText::new("Open the log that your recorder wrote on its card").heading().strong());
     ui.label("or drop it on this window.");
     ui.add_space(12.0);
-    for action in [Action::Open, Action::OpenDemo] {
+    for action in [Action::Open, Action::OpenDemo, Action::Tour] {
         let button = Button::new(action.label()).min_size(vec2(BUTTON, 28.0));
         context.button(ui.add(button), action);
     }

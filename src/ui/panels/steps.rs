@@ -5,12 +5,12 @@ use super::section::{Section, section, unfold_section};
 use super::{
     calibration, cloud, corrections, exclusions, first_return, logs, maps, plan, residuals, survey,
 };
-use crate::app::{Command, StepState, WorkStep};
+use crate::app::{Action, Command, StepState, WorkStep};
 use crate::ui::{ViewContext, hint_with_key, theme};
 use bathyscope_products::pipeline::Stage;
 use egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Rect, Role, Sense, Shape, Stroke, StrokeKind, Ui,
-    WidgetInfo, pos2, vec2,
+    Align, Align2, Color32, CursorIcon, FontId, Label, Layout, Painter, Rect, Role, Sense, Shape,
+    Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// Function that draws the contents of a section.
@@ -92,6 +92,24 @@ pub(crate) fn bar(ui: &mut Ui, context: &mut ViewContext<'_>) {
         for step in WorkStep::ALL {
             button(ui, context, step, width);
         }
+    });
+}
+
+/// Height of the line of the tour, points.
+pub(crate) const TOUR_HEIGHT: f32 = 30.0;
+
+/// Draws the sentence of the tour for the open step, with buttons to go on and to end the tour.
+pub(crate) fn tour(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let step = context.options().panels.step;
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        context.named_button(ui.button("End"), Action::EndTour);
+        if let Some(next) = step.next() {
+            context.button(ui.button("Next step"), next.action());
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.strong(step.title());
+            ui.add(Label::new(step.tour()).truncate()).on_hover_text(step.tour());
+        });
     });
 }
 

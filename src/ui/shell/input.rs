@@ -192,7 +192,7 @@ fn has_meaning(app: &App, action: Action, control_focused: bool) -> bool {
         Action::LeaveTool => {
             let drawn = app.map.measuring.tool.is_some() || app.map.measuring.figure.is_some();
             let is_in_use = reviewing.is_in_use() || app.logs.shown.proposed_stretch().is_some();
-            is_in_use || drawn
+            is_in_use || drawn || app.view.selection.is_some()
         }
         Action::SetCorner | Action::EndFigure => app.map.measuring.tool.is_some(),
         Action::TakeCornerBack => {

@@ -2,9 +2,7 @@
 
 use super::sides::SidePanel;
 use super::{levels, toolbar};
-use crate::app::{
-    Action, ActionGroup, CloudColour, Command, SideColours, ThemeChoice, ViewOptions,
-};
+use crate::app::{Action, ActionGroup, CloudColour, Command, SideColours, ViewOptions};
 use crate::ui::ViewContext;
 use crate::ui::controls::option_checkbox;
 use bathyscope_bottom::presentation::colours::ColourMap;
@@ -128,7 +126,6 @@ pub(super) fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 SidePanel::Details.button(ui, context);
                 SidePanel::Steps.button(ui, context);
             }
-            theme_button(ui, context);
             palette_field(ui, context);
         });
     });
@@ -276,30 +273,16 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let undo = context.app.document.history.undo_label();
     let redo = context.app.document.history.redo_label();
     let units = context.units();
-    let open = "Open";
-    for (action, label, enabled, what) in [
-        (Action::Open, open, true, None),
-        (Action::Undo, "Undo", undo.is_some(), undo),
-        (Action::Redo, "Redo", redo.is_some(), redo),
-    ] {
+    for (action, label, what) in [(Action::Undo, "Undo", undo), (Action::Redo, "Redo", redo)] {
         let hint = what.map_or_else(
             || action.hint().to_owned(),
             |what| format!("{}: {}", action.label(), units.sentence(what)),
         );
         let hint = format!("{hint} ({})", action.key());
-        let button = ui.add_enabled(enabled, Button::new(label));
+        let button = ui.add_enabled(what.is_some(), Button::new(label));
         let button = button.accessible_name(format!("{label} button"));
         context.button_with_hint(button, action, hint);
     }
-}
-
-fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let label = match context.theme() {
-        ThemeChoice::Dark => "Light",
-        ThemeChoice::Light => "Dark",
-    };
-    let button = ui.button(label).accessible_name(Action::Theme.label());
-    context.keyed_button(button, Action::Theme);
 }
 
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {

@@ -200,6 +200,8 @@ impl Shell {
     pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
             Some(view) => self.views.is_settled(view),
+            // The page that offers logs has no picture.
+            None if self.app.logs.shown.survey.is_none() => true,
             None => {
                 let shown = self.layout.shown();
                 shown.into_iter().all(|view| self.views.is_settled(view))
@@ -373,6 +375,12 @@ impl Shell {
                 .exact_size(panels::steps::BAR_HEIGHT)
                 .frame(bar.inner_margin(egui::Margin::symmetric(8, 1)))
                 .show(ui, |ui| panels::steps::bar(ui, &mut context));
+            if context.app.view.has_tour {
+                Panel::top("tour")
+                    .exact_size(panels::steps::TOUR_HEIGHT)
+                    .frame(bar)
+                    .show(ui, |ui| panels::steps::tour(ui, &mut context));
+            }
         }
         Panel::bottom("status bar")
             .exact_size(panels::STATUS_HEIGHT)

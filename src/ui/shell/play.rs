@@ -83,7 +83,7 @@ impl Play {
         ui.ctx().request_repaint_after(Duration::from_millis(16));
     }
 
-    /// Draws the button and the speed at the left end of the time line.
+    /// Draws the button and, while it runs, the speed at the left end of the time line.
     pub(super) fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if context.app.logs.shown.survey.is_none() {
             return;
@@ -100,6 +100,9 @@ impl Play {
         icon(&ui, button.rect, self.running);
         if button.clicked() {
             context.push(Command::Do(Action::Play));
+        }
+        if !self.running {
+            return;
         }
         let text = egui::RichText::new(format!("{}×", SPEEDS[self.speed])).small();
         let hint = format!(

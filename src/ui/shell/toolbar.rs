@@ -19,7 +19,7 @@ use egui::{Button, Checkbox, Popup, RichText, Ui};
 /// controls are in a menu.
 fn room(view: View) -> f32 {
     match view {
-        View::Waterfall => 640.0,
+        View::Waterfall => 520.0,
         View::Map => 220.0,
         View::Cloud => 570.0,
         View::Objects | View::Profile => 0.0,
@@ -64,12 +64,16 @@ fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: impl Into<egui::WidgetT
 }
 
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
-    button(ui, context, Action::Orientation, "Turn");
-    option_switch(ui, options, Action::RangeLines);
+    let title = egui::RichText::new("More").small();
+    let more = menu(title).ui(ui, |ui| {
+        option_switch(ui, options, Action::RangeLines);
+        let ground_range = &mut options.waterfall.ground_range;
+        switch(ui, ground_range, "Ground range", hint_with_key(Action::GroundRange));
+        button(ui, context, Action::OneToOne, "Equal scales");
+        button(ui, context, Action::Orientation, "Turn");
+    });
+    more.0.accessible_name("More of the waterfall");
     option_switch(ui, options, Action::FirstReturnLine);
-    let ground_range = &mut options.waterfall.ground_range;
-    switch(ui, ground_range, "Ground", hint_with_key(Action::GroundRange));
-    button(ui, context, Action::OneToOne, "1:1");
     let title = egui::RichText::new("Levels").small();
     let (button, _) = menu(title).ui(ui, |ui| levels::ui(ui, context));
     let sought = find_setting::sought(ui.ctx()).and_then(find_setting::place_of);

@@ -2,7 +2,7 @@
 //! moved by the arrow keys after a click. The layers are chosen in the title of the view.
 
 use super::MapScene;
-use crate::app::{Action, Command, MapLayer, Swipe, SwipeSide, Tool};
+use crate::app::{Action, Command, MapLayer, Swipe, SwipeSide, Tool, WorkStep};
 use crate::ui::controls::{self, keep_arrows};
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme};
@@ -106,7 +106,7 @@ fn names(scene: &MapScene<'_>, side: SwipeSide) -> String {
     own.map(MapLayer::name).collect::<Vec<_>>().join("\n")
 }
 
-/// Shows the buttons Fit and Calibrate, and the menu of measuring tools.
+/// Shows the button Fit, in its step the tool of the calibration, and the menu of measuring tools.
 pub(super) fn show_buttons(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -134,8 +134,10 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, request: &mut Option<View
     }
     let action = Action::Calibrate;
     let holds = context.app.logs.shown.reviewing.tool == Tool::Calibrate;
-    let tool = controls::chip(ui, holds, "Calibrate").accessible_name(action.label());
-    context.keyed_button(tool, action);
+    if holds || context.options().panels.step == WorkStep::Correct {
+        let tool = controls::underline(ui, holds, egui::Button::new("Calibrate"));
+        context.keyed_button(tool.accessible_name(action.label()), action);
+    }
 }
 
 fn measure_menu(ui: &mut Ui, context: &mut ViewContext<'_>) {
