@@ -67,7 +67,7 @@ impl WorkStep {
                 "Open the logs of a survey here; where they differ in height, the program says by how much."
             }
             WorkStep::Bottom => {
-                "Look whether the red and the green line follow the first echo of the bottom, and draw it where they do not."
+                "Look whether the lines follow the first echo of the bottom on both sides, and draw it where they do not."
             }
             WorkStep::Correct => {
                 "Give the draft and the water level, so that depths count from the surface; a flat stretch checks the scale."
