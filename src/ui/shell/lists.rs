@@ -1,9 +1,9 @@
 //! Draws the list of changes, with the present step, where a click goes back or forward to a step;
 //! the list of all notices since the program was started: time, text, and offered action; and the
 //! newest notice, with those that wait for the analyst: a notice that reports no fault and offers
-//! no action disappears after a while. They cover the lower edge of the views, where they have no buttons, instead
-//! of a separate line: a line that appears and disappears would move the button that is being
-//! clicked.
+//! no action disappears after a while. They cover the lower edge of the views, where these have no
+//! buttons, instead of a separate line: a line that appears and disappears would move the button
+//! that is being clicked.
 
 use crate::app::{Action, Command, Notice, ThemeChoice};
 use crate::ui::controls::ListKeys;

@@ -152,8 +152,8 @@ impl Camera {
         self.is_one_to_one = false;
     }
 
-    /// Keeps the first visible ping at its edge of a view that has become longer or shorter, so that
-    /// a panel that appears beside the view moves nothing under the pointer.
+    /// Keeps the first visible ping at its edge of a view that has become longer or shorter, so
+    /// that a panel that appears beside the view moves nothing under the pointer.
     pub(super) fn keep_start(&mut self, before: Size, size: Size) {
         if !self.along.fitted && before.across == size.across {
             self.along.centre += 0.5 * (size.along - before.along) * self.along.per_point;
